@@ -1,0 +1,49 @@
+//! Boxes with sides parallel to the axes.
+
+use glam::Vec3;
+
+/// A closed box, `min..=max` in each coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// The corner with the smallest coordinates.
+    pub min: Vec3,
+    /// The corner with the largest coordinates.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The box of nothing: the identity of [`Aabb::union`].
+    pub const EMPTY: Self =
+        Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
+
+    /// The smallest box around `points`.
+    #[must_use]
+    pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |sum, p| sum.union(Self { min: p, max: p }))
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// True if no point is inside; also if a coordinate is NaN.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        !self.min.cmple(self.max).all()
+    }
+
+    /// The middle, without overflow.
+    #[must_use]
+    pub fn center(self) -> Vec3 {
+        0.5 * self.min + 0.5 * self.max
+    }
+
+    /// Half of the surface area, zero for an empty box: what the surface area heuristic compares.
+    #[must_use]
+    pub fn half_area(self) -> f32 {
+        let size = (self.max - self.min).max(Vec3::ZERO);
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+}

@@ -1,0 +1,48 @@
+//! Elements over vertices.
+
+use glam::{Vec2, Vec3, Vec4};
+
+/// How the elements of a shape are met by rays: data of the shape, not of the tree over it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// The usual approximations: points as discs that face the ray, lines by their distance to the
+    /// ray, quads as two triangles.
+    Vanilla,
+    /// The exact shapes: points as spheres, lines as rounded cones, quads as bilinear patches.
+    #[default]
+    Enhanced,
+}
+
+/// Vertex indices of each element; a shape has elements of one kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Elements {
+    /// One vertex each.
+    Points(Vec<u32>),
+    /// From the first vertex to the second.
+    Lines(Vec<[u32; 2]>),
+    /// Three corners, counter-clockwise seen from the front.
+    Triangles(Vec<[u32; 3]>),
+    /// Four corners in order around the quad; a triangle repeats its last vertex.
+    Quads(Vec<[u32; 4]>),
+}
+
+/// Geometry in object space. An array of vertex data is empty or as long as `positions`.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// For messages.
+    pub name: String,
+    /// How its elements are met by rays.
+    pub method: Method,
+    /// Which vertices make an element.
+    pub elements: Elements,
+    /// Meters.
+    pub positions: Vec<Vec3>,
+    /// Unit length; tangents along the line for lines.
+    pub normals: Vec<Vec3>,
+    /// `v` runs down the image.
+    pub texcoords: Vec<Vec2>,
+    /// Linear red, green, blue and opacity: they scale colour, emission and opacity.
+    pub colors: Vec<Vec4>,
+    /// Of points and lines, in meters.
+    pub radii: Vec<f32>,
+}

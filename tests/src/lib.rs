@@ -1,0 +1,1 @@
+//! Tests of the whole pipeline live beside this file, in `tests/`.
