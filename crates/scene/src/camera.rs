@@ -1,6 +1,7 @@
 //! Cameras.
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec2, Vec3};
+use rotund_geometry::Ray;
 
 /// A thin-lens camera at the origin of its frame, looking along its -z axis.
 #[derive(Clone, Debug)]
@@ -21,4 +22,61 @@ pub struct Camera {
     pub focus: f32,
     /// Diameter of the lens in meters; zero is a pinhole.
     pub aperture: f32,
+}
+
+impl Default for Camera {
+    /// A pinhole with a normal lens on 35 mm film, at the origin.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            world_from_camera: Affine3A::IDENTITY,
+            orthographic: false,
+            lens: 0.05,
+            film: 0.036,
+            aspect: 1.5,
+            focus: 10_000.0,
+            aperture: 0.0,
+        }
+    }
+}
+
+impl Camera {
+    /// The ray through a point of the picture and a point of the lens, of unit direction.
+    ///
+    /// `image_uv` is `0.0..=1.0` over the picture: u runs right, v runs down. `lens_uv` is a point of
+    /// the unit disk; it matters only if the aperture is not zero. All points of the lens see the
+    /// same point of the plane in focus.
+    #[must_use]
+    pub fn ray(&self, image_uv: Vec2, lens_uv: Vec2) -> Ray {
+        let film = if self.aspect >= 1.0 {
+            Vec2::new(self.film, self.film / self.aspect)
+        } else {
+            Vec2::new(self.film * self.aspect, self.film)
+        };
+        let on_film = Vec2::new(image_uv.x - 0.5, 0.5 - image_uv.y) * film;
+        let on_lens = (0.5 * self.aperture * lens_uv).extend(0.0);
+        let (origin, focused) = if self.orthographic {
+            let across = (on_film / self.lens).extend(0.0);
+            (across + on_lens, across - self.focus * Vec3::Z)
+        } else {
+            (on_lens, self.focus * (on_film / self.lens).extend(-1.0))
+        };
+        Ray::new(
+            self.world_from_camera.transform_point3(origin),
+            self.world_from_camera.transform_vector3(focused - origin).normalize(),
+        )
+    }
+
+    /// Width and height in pixels of a picture whose longer side is `longer_side`; none is zero.
+    #[must_use]
+    pub fn resolution(&self, longer_side: u32) -> (u32, u32) {
+        let longer_side = longer_side.max(1);
+        // Pixel counts stay far below 2^24, so these conversions lose nothing that matters.
+        let shorter = |ratio: f32| ((longer_side as f32 * ratio).round() as u32).max(1);
+        if self.aspect >= 1.0 {
+            (longer_side, shorter(1.0 / self.aspect))
+        } else {
+            (shorter(self.aspect), longer_side)
+        }
+    }
 }

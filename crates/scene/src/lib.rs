@@ -11,5 +11,5 @@ pub use camera::Camera;
 pub use environment::Environment;
 pub use material::{Material, MaterialKind, MaterialPoint};
 pub use scene::{Instance, Scene};
-pub use shape::{Elements, Method, Shape};
+pub use shape::{ElementKind, Elements, Method, Shape};
 pub use texture::{Pixels, Texture};

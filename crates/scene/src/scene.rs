@@ -1,9 +1,12 @@
 //! The arrays that make a scene, and the indices between them.
 
-use crate::{Camera, Environment, Material, Shape, Texture};
+use crate::{Camera, ElementKind, Environment, Material, Method, Shape, Texture};
 use glam::Affine3A;
 
 /// Plain data: everything is an array, and whatever refers to an element does it by index.
+///
+/// [`crate::load`] refuses indices that are out of range; who builds a scene by hand keeps them in
+/// range, or evaluation panics.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Views; a renderer is told which one by index.
@@ -18,6 +21,15 @@ pub struct Scene {
     pub shapes: Vec<Shape>,
     /// Shapes with a material, placed in the world.
     pub instances: Vec<Instance>,
+}
+
+impl Scene {
+    /// Sets the method of every shape whose elements are of this kind. Trees stay valid.
+    pub fn set_method(&mut self, kind: ElementKind, method: Method) {
+        for shape in self.shapes.iter_mut().filter(|shape| shape.elements.kind() == kind) {
+            shape.method = method;
+        }
+    }
 }
 
 /// One placement of a shape.

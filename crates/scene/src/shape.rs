@@ -13,17 +13,54 @@ pub enum Method {
     Enhanced,
 }
 
+/// The kinds of elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ElementKind {
+    /// Spheres, or discs that face the ray.
+    Points,
+    /// Rounded cones, or ribbons that face the ray.
+    Lines,
+    /// Triangles with either method.
+    Triangles,
+    /// Bilinear patches, or pairs of triangles.
+    Quads,
+}
+
 /// Vertex indices of each element; a shape has elements of one kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Elements {
-    /// One vertex each.
-    Points(Vec<u32>),
+    /// How many: point `i` is vertex `i`, so that a cloud stores no indices.
+    Points(u32),
     /// From the first vertex to the second.
     Lines(Vec<[u32; 2]>),
     /// Three corners, counter-clockwise seen from the front.
     Triangles(Vec<[u32; 3]>),
     /// Four corners in order around the quad; a triangle repeats its last vertex.
     Quads(Vec<[u32; 4]>),
+}
+
+impl Elements {
+    /// Which kind.
+    #[must_use]
+    pub fn kind(&self) -> ElementKind {
+        match self {
+            Self::Points(_) => ElementKind::Points,
+            Self::Lines(_) => ElementKind::Lines,
+            Self::Triangles(_) => ElementKind::Triangles,
+            Self::Quads(_) => ElementKind::Quads,
+        }
+    }
+
+    /// How many.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Points(count) => *count as usize,
+            Self::Lines(lines) => lines.len(),
+            Self::Triangles(triangles) => triangles.len(),
+            Self::Quads(quads) => quads.len(),
+        }
+    }
 }
 
 /// Geometry in object space. An array of vertex data is empty or as long as `positions`.
@@ -43,6 +80,6 @@ pub struct Shape {
     pub texcoords: Vec<Vec2>,
     /// Linear red, green, blue and opacity: they scale colour, emission and opacity.
     pub colors: Vec<Vec4>,
-    /// Of points and lines, in meters.
+    /// Of points and lines, in meters; never empty for them.
     pub radii: Vec<f32>,
 }
