@@ -1,2 +1,7 @@
-//! The commands of the workspace: `cargo xtask --help`.
-fn main() {}
+//! The binary behind `cargo xtask`; everything is in the library so that tests can call it.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    xtask::main(std::env::args_os())
+}

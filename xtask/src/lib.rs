@@ -1,0 +1,93 @@
+//! The commands of the Rotund workspace: `cargo xtask --help` lists them.
+//!
+//! Each command is a module with a clap `Args` and a `run(Args) -> anyhow::Result<()>`; this file
+//! only parses and dispatches. Commands compose functions of the crates and print; no formula of
+//! intersection or shading lives here.
+//!
+//! # Exit codes
+//!
+//! | code | meaning |
+//! | --- | --- |
+//! | 0 | done |
+//! | 1 | the command failed; standard error has one line, `error: ...` |
+//! | 2 | the command line was not understood; standard error says what was expected |
+//!
+//! A reader that closes standard output early (`cargo xtask ... | head`) is not an error.
+
+#![expect(clippy::print_stderr, reason = "this crate is the one that talks to people")]
+
+use clap::{Parser, Subcommand};
+use std::ffi::OsString;
+use std::io;
+use std::process::ExitCode;
+
+mod console;
+mod diff;
+mod difference;
+mod picture;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  the command failed; standard error says why in one line
+  2  the command line was not understood";
+
+/// Points as spheres, lines as rounded cones, quads as bilinear patches: render, compare, measure.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
+#[command(arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Say in numbers how far two images are apart.
+    Diff(diff::Args),
+}
+
+impl Command {
+    fn run(self) -> anyhow::Result<()> {
+        match self {
+            Self::Diff(args) => diff::run(args),
+        }
+    }
+}
+
+/// Parses `arguments` (the first names the program), runs the command, reports failure on
+/// standard error and returns the exit code.
+pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // If even this cannot be printed there is nobody left to tell.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    match cli.command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs a command as [`main`] does, but returns the error instead of printing it.
+///
+/// # Errors
+///
+/// What the command line or the command itself complains about.
+pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> anyhow::Result<()> {
+    Cli::try_parse_from(arguments)?.command.run()
+}
+
+/// Whether all that went wrong is that nobody reads standard output any more.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+    })
+}
