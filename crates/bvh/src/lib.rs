@@ -1,1 +1,21 @@
-//! Bounding volume hierarchies over boxes.
+//! Bounding volume hierarchies for rays.
+//!
+//! [`Bvh`] is the tree over plain boxes: bring any primitive, and a closure that tests it.
+//!
+//! A tree answers two questions about a ray. *Closest*: which primitive does it meet first? A tie
+//! in `t` goes to the lower id, so the answer is that of a loop over all primitives, to the bit.
+//! *Any*: does it meet one at all? The test of a box is conservative: rounding never loses a ray,
+//! not even one along an edge or in the plane of a flat box.
+//!
+//! Trees are built with the surface area heuristic, on all threads of the current rayon pool; the
+//! same input gives the same tree for any number of threads.
+
+mod build;
+mod bvh;
+mod node;
+mod sah;
+mod simd;
+mod slab;
+mod traverse;
+
+pub use bvh::Bvh;

@@ -1,0 +1,270 @@
+//! Top-down construction of a wide tree.
+//!
+//! A node starts as one range of records; the range with the largest surface is cut in two until
+//! there are [`WIDTH`] of them or all are leaves. Cutting on the way down costs no more than
+//! collapsing a finished binary tree, and needs none.
+//!
+//! Large ranges are cut first and become tasks; the tasks run in parallel, each into its own
+//! vectors, which are joined in order. What a task does depends on its records alone, so the tree
+//! is the same for any number of threads.
+
+use crate::node::{Child, Node, Tree, WIDTH};
+use crate::sah::{Costs, Extent, Record, find_split, partition};
+use rayon::prelude::*;
+use rotund_geometry::Aabb;
+use std::ops::Range;
+
+/// Levels of wide nodes that follow the heuristic. Below, ranges are cut in halves, so that a tree
+/// over adversarial boxes stays flat enough for [`MAX_DEPTH`].
+const SAH_DEPTH: usize = 24;
+
+/// The deepest leaf has at most this many nodes above it: a full range of 2^31 records that is
+/// halved has less than twelve levels of eight-wide nodes.
+pub(crate) const MAX_DEPTH: usize = SAH_DEPTH + 12;
+
+/// Ranges up to this length are built by one thread.
+const TASK: usize = 1 << 14;
+
+/// A tree, and the leaves it refers to.
+pub(crate) struct Built {
+    pub(crate) tree: Tree,
+    /// In the order of the tree, ids of all boxes that are not empty.
+    pub(crate) records: Vec<Record>,
+    /// The records of leaf `i`, for `Child::leaf(i)`.
+    pub(crate) leaves: Vec<Range<u32>>,
+}
+
+/// Builds a tree over `count` boxes, of which the empty ones and those with a NaN are left out.
+///
+/// # Panics
+///
+/// If there are more than 2^31 - 2 boxes.
+pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &Costs) -> Built {
+    assert!(
+        count <= Child::MAX_INDEX as usize,
+        "a tree holds at most {} boxes, not {count}: split the scene in several trees",
+        Child::MAX_INDEX
+    );
+    let mut records: Vec<Record> = Vec::with_capacity(count);
+    records.par_extend((0..count as u32).into_par_iter().filter_map(|i| Record::new(i, bounds(i))));
+    let extent =
+        records.par_chunks(1 << 16).map(Extent::of).reduce(|| Extent::EMPTY, Extent::union);
+    if records.is_empty() {
+        let tree = Tree { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
+        return Built { tree, records, leaves: Vec::new() };
+    }
+
+    let plan = plan(&mut records, 0, extent, 0, costs);
+    let mut tasks = Vec::new();
+    let plan = plan.collect(&mut tasks);
+    let outputs: Vec<Output> = tasks
+        .into_par_iter()
+        .map(|task| {
+            let mut output = Output::default();
+            output.root = output.subtree(task.records, task.start, &task.extent, task.depth, costs);
+            output
+        })
+        .collect();
+
+    let mut joined = Joined { nodes: Vec::new(), leaves: Vec::new(), roots: Vec::new() };
+    let top = plan.node_count();
+    joined.nodes.reserve_exact(top + outputs.iter().map(|o| o.nodes.len()).sum::<usize>());
+    joined.leaves.reserve_exact(outputs.iter().map(|o| o.leaves.len()).sum());
+    joined.nodes.resize(top, Node::EMPTY);
+    for output in outputs {
+        joined.append(output);
+    }
+    let mut root = plan.place(&mut joined, &mut 0);
+    if root.is_leaf() {
+        // So that the box of a single leaf is looked at too.
+        let mut node = Node::EMPTY;
+        node.set(0, extent.bounds(), root);
+        joined.nodes.push(node);
+        root = Child::node(0);
+    }
+    let tree = Tree { nodes: joined.nodes, root, bounds: extent.bounds() };
+    Built { tree, records, leaves: joined.leaves }
+}
+
+/// The ranges that become the children of one node, largest surface cut first.
+fn cut<'a>(
+    records: &'a mut [Record],
+    start: usize,
+    extent: Extent,
+    depth: usize,
+    costs: &Costs,
+) -> Vec<Part<'a>> {
+    let mut parts: Vec<Part> = Vec::with_capacity(WIDTH);
+    parts.push(Part { records, start, extent });
+    while parts.len() < WIDTH {
+        let splittable = |part: &Part| part.records.len() > costs.leaf_size as usize;
+        let key = |part: &Part| {
+            // Past the depth where the heuristic rules, the longest range is halved instead.
+            if depth < SAH_DEPTH { part.extent.half_area() } else { part.records.len() as f32 }
+        };
+        let Some(widest) = (0..parts.len())
+            .filter(|&i| splittable(&parts[i]))
+            .max_by(|&a, &b| key(&parts[a]).total_cmp(&key(&parts[b])))
+        else {
+            break;
+        };
+        let Part { records, start, extent } = parts.swap_remove(widest);
+        let split = if depth < SAH_DEPTH {
+            find_split(records, &extent, costs)
+        } else {
+            crate::sah::Split::Middle
+        };
+        let (count, left, right) = partition(records, split);
+        let (low, high) = records.split_at_mut(count);
+        parts.push(Part { records: low, start, extent: left });
+        parts.push(Part { records: high, start: start + count, extent: right });
+    }
+    // Back in the order of their records, so that a depth-first walk reads memory forwards.
+    parts.sort_by_key(|part| part.start);
+    parts
+}
+
+/// A range of records below one slot of a node.
+struct Part<'a> {
+    records: &'a mut [Record],
+    start: usize,
+    extent: Extent,
+}
+
+/// A range short enough for one thread.
+struct Task<'a> {
+    records: &'a mut [Record],
+    start: usize,
+    extent: Extent,
+    depth: usize,
+}
+
+/// The top of the tree: nodes over tasks, or over indices of tasks.
+enum Plan<T> {
+    Node(Vec<(Aabb, Plan<T>)>),
+    Task(T),
+}
+
+fn plan<'a>(
+    records: &'a mut [Record],
+    start: usize,
+    extent: Extent,
+    depth: usize,
+    costs: &Costs,
+) -> Plan<Task<'a>> {
+    if records.len() <= TASK {
+        return Plan::Task(Task { records, start, extent, depth });
+    }
+    let parts = cut(records, start, extent, depth, costs);
+    let children = parts
+        .into_par_iter()
+        .map(|part| {
+            let bounds = part.extent.bounds();
+            (bounds, plan(part.records, part.start, part.extent, depth + 1, costs))
+        })
+        .collect();
+    Plan::Node(children)
+}
+
+impl<'a> Plan<Task<'a>> {
+    /// Moves the tasks out, in order, and leaves their indices.
+    fn collect(self, tasks: &mut Vec<Task<'a>>) -> Plan<usize> {
+        match self {
+            Plan::Task(task) => {
+                tasks.push(task);
+                Plan::Task(tasks.len() - 1)
+            }
+            Plan::Node(children) => Plan::Node(
+                children.into_iter().map(|(bounds, plan)| (bounds, plan.collect(tasks))).collect(),
+            ),
+        }
+    }
+}
+
+impl Plan<usize> {
+    fn node_count(&self) -> usize {
+        match self {
+            Plan::Task(_) => 0,
+            Plan::Node(children) => {
+                1 + children.iter().map(|(_, plan)| plan.node_count()).sum::<usize>()
+            }
+        }
+    }
+
+    /// Writes the nodes of the top into the front of `joined`, from `next` on.
+    fn place(&self, joined: &mut Joined, next: &mut usize) -> Child {
+        match self {
+            Plan::Task(index) => joined.roots[*index],
+            Plan::Node(children) => {
+                let index = *next;
+                *next += 1;
+                for (slot, (bounds, plan)) in children.iter().enumerate() {
+                    let child = plan.place(joined, next);
+                    joined.nodes[index].set(slot, *bounds, child);
+                }
+                Child::node(index as u32)
+            }
+        }
+    }
+}
+
+/// What one task made, with indices that start at zero.
+struct Output {
+    nodes: Vec<Node>,
+    leaves: Vec<Range<u32>>,
+    root: Child,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE }
+    }
+}
+
+impl Output {
+    fn subtree(
+        &mut self,
+        records: &mut [Record],
+        start: usize,
+        extent: &Extent,
+        depth: usize,
+        costs: &Costs,
+    ) -> Child {
+        if records.len() <= costs.leaf_size as usize {
+            let leaf = self.leaves.len() as u32;
+            self.leaves.push(start as u32..(start + records.len()) as u32);
+            return Child::leaf(leaf);
+        }
+        let index = self.nodes.len();
+        self.nodes.push(Node::EMPTY);
+        for (slot, part) in cut(records, start, *extent, depth, costs).into_iter().enumerate() {
+            let child = self.subtree(part.records, part.start, &part.extent, depth + 1, costs);
+            self.nodes[index].set(slot, part.extent.bounds(), child);
+        }
+        Child::node(index as u32)
+    }
+}
+
+/// The outputs of all tasks, one after the other.
+struct Joined {
+    nodes: Vec<Node>,
+    leaves: Vec<Range<u32>>,
+    roots: Vec<Child>,
+}
+
+impl Joined {
+    fn append(&mut self, output: Output) {
+        let (nodes, leaves) = (self.nodes.len() as u32, self.leaves.len() as u32);
+        let moved = |child: Child| match child {
+            Child::NONE => child,
+            leaf if leaf.is_leaf() => Child::leaf(leaf.index() as u32 + leaves),
+            node => Child::node(node.index() as u32 + nodes),
+        };
+        self.nodes.extend(output.nodes.into_iter().map(|mut node| {
+            node.children = node.children.map(moved);
+            node
+        }));
+        self.leaves.extend(output.leaves);
+        self.roots.push(moved(output.root));
+    }
+}

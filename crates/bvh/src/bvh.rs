@@ -1,0 +1,154 @@
+//! The tree over plain boxes.
+
+use crate::build::build;
+use crate::node::{Child, Tree};
+use crate::sah::Costs;
+use crate::simd::Portable;
+use crate::slab::SlabRay;
+use crate::traverse;
+use rotund_geometry::{Aabb, Ray};
+
+/// A tree over boxes, each known by its index in the slice the tree was built from. What is inside
+/// a box is the business of the closures given to [`Bvh::closest`] and [`Bvh::any`].
+///
+/// Every primitive must lie inside its box; one that reaches out may be missed. A box that is empty
+/// or has a NaN is never visited, and so is not in [`Bvh::bounds`]. A tree over trees needs nothing
+/// more: the closure moves the ray and asks another tree.
+///
+/// ```
+/// use rotund_bvh::Bvh;
+/// use rotund_geometry::{Aabb, Ray, glam::Vec3};
+///
+/// /// A torus about the z axis. `intersect` marches along the ray.
+/// struct Torus { center: Vec3, major: f32, minor: f32 }
+///
+/// impl Torus {
+///     fn bounds(&self) -> Aabb {
+///         let half = Vec3::new(self.major + self.minor, self.major + self.minor, self.minor);
+///         Aabb { min: self.center - half, max: self.center + half }
+///     }
+///
+///     fn intersect(&self, ray: &Ray) -> Option<f32> {
+///         let mut t = ray.t_min;
+///         for _ in 0..256 {
+///             let p = ray.at(t) - self.center;
+///             let distance = (p.truncate().length() - self.major).hypot(p.z) - self.minor;
+///             if distance < 1e-5 {
+///                 return Some(t);
+///             }
+///             t += distance / ray.direction.length();
+///             if t > ray.t_max {
+///                 break;
+///             }
+///         }
+///         None
+///     }
+/// }
+///
+/// let tori: Vec<Torus> = (0..100)
+///     .map(|i| Torus { center: Vec3::new(3.0 * i as f32, 0.0, 0.0), major: 1.0, minor: 0.25 })
+///     .collect();
+/// let boxes: Vec<Aabb> = tori.iter().map(Torus::bounds).collect();
+/// let bvh = Bvh::build(&boxes);
+///
+/// let down_at_the_seventh = Ray::new(Vec3::new(22.0, 0.0, 5.0), Vec3::NEG_Z);
+/// let (id, t, ()) = bvh
+///     .closest(&down_at_the_seventh, |id, ray| Some((tori[id as usize].intersect(ray)?, ())))
+///     .expect("the ray was aimed at the ring");
+/// assert_eq!(id, 7);
+/// assert!((t - 4.75).abs() < 1e-4);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    tree: Tree,
+}
+
+impl Bvh {
+    /// Builds a tree over `boxes` on all threads of the current rayon pool. The tree does not depend
+    /// on their number.
+    ///
+    /// # Panics
+    ///
+    /// If there are more than 2^31 - 2 boxes.
+    #[must_use]
+    pub fn build(boxes: &[Aabb]) -> Self {
+        // A closure may be dear, so each box is looked at before its closure is called.
+        let costs = Costs { block: 1.0, block_size: 1, leaf_size: 1 };
+        let built = build(boxes.len(), |id| boxes[id as usize], &costs);
+        // A leaf is one box: name the box itself and forget the leaves.
+        let id = |child: Child| match child {
+            Child::NONE => child,
+            leaf if leaf.is_leaf() => {
+                Child::leaf(built.records[built.leaves[leaf.index()].start as usize].id())
+            }
+            node => node,
+        };
+        let mut tree = built.tree;
+        for node in &mut tree.nodes {
+            node.children = node.children.map(id);
+        }
+        Self { tree }
+    }
+
+    /// The union of all boxes that are not empty; [`Aabb::EMPTY`] if there is none.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.tree.bounds
+    }
+
+    /// Returns the hit with the smallest `t`, of those the one with the smallest id, and what `test`
+    /// gave with it.
+    ///
+    /// `test` is given an id and the ray, and returns where the ray meets that primitive, with
+    /// `t` in `ray.t_min..=ray.t_max`; other answers, also NaN, count as a miss. The `t_max` of the
+    /// ray it is given shrinks to the closest hit so far. Ids come in no particular order, roughly
+    /// from near to far, each at most once.
+    ///
+    /// A ray whose origin or direction is not finite, or whose direction is zero, meets nothing.
+    #[inline]
+    pub fn closest<T>(
+        &self,
+        ray: &Ray,
+        mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
+    ) -> Option<(u32, f32, T)> {
+        let slab_ray = SlabRay::new(ray)?;
+        let mut best: Option<(u32, f32, T)> = None;
+        let mut shrinking = *ray;
+        traverse::closest(
+            Portable,
+            &self.tree,
+            &slab_ray,
+            slab_ray.limit(ray.t_max),
+            |id, limit| {
+                let id = id as u32;
+                let Some((t, value)) = test(id, &shrinking) else {
+                    return limit;
+                };
+                let wins = match &best {
+                    None => t >= ray.t_min && t <= ray.t_max,
+                    // A tie goes to the lower id, so that the order of the walk does not show.
+                    Some((best_id, best_t, _)) => {
+                        t >= ray.t_min && (t < *best_t || (t == *best_t && id < *best_id))
+                    }
+                };
+                if !wins {
+                    return limit;
+                }
+                best = Some((id, t, value));
+                shrinking.t_max = t;
+                slab_ray.limit(t)
+            },
+        );
+        best
+    }
+
+    /// True if `test` is true for any primitive whose box the ray meets.
+    ///
+    /// Ids come in no particular order, each at most once, until one answers true.
+    #[inline]
+    pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
+        let Some(slab_ray) = SlabRay::new(ray) else { return false };
+        let limit = slab_ray.limit(ray.t_max);
+        traverse::any(Portable, &self.tree, &slab_ray, limit, |id| test(id as u32, ray))
+    }
+}

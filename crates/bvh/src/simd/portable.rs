@@ -1,0 +1,69 @@
+//! Eight lanes as an array: the definition of what the faster versions do, and what runs where
+//! there is no faster one. The compiler turns it into SSE2 or NEON pairs.
+
+use super::Simd;
+use crate::node::WIDTH;
+
+/// Needs nothing of the processor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Portable;
+
+#[inline(always)]
+fn map2<T>(a: [f32; WIDTH], b: [f32; WIDTH], f: impl Fn(f32, f32) -> T) -> [T; WIDTH] {
+    std::array::from_fn(|i| f(a[i], b[i]))
+}
+
+impl Simd for Portable {
+    type Lanes = [f32; WIDTH];
+
+    #[inline(always)]
+    fn load(self, from: &[f32; WIDTH]) -> Self::Lanes {
+        *from
+    }
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> Self::Lanes {
+        [value; WIDTH]
+    }
+
+    #[inline(always)]
+    fn to_array(self, a: Self::Lanes) -> [f32; WIDTH] {
+        a
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        map2(a, b, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        map2(a, b, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+        std::array::from_fn(|i| a[i] * b[i] + c[i])
+    }
+
+    #[inline(always)]
+    fn abs(self, a: Self::Lanes) -> Self::Lanes {
+        a.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        map2(a, b, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        map2(a, b, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn mask_le(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+        let bits = map2(a, b, |a, b| u32::from(a <= b));
+        (0..WIDTH).fold(0, |mask, i| mask | bits[i] << i)
+    }
+}

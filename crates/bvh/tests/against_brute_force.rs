@@ -1,0 +1,158 @@
+//! The tree gives the same answer as a loop over all primitives.
+
+mod support;
+
+use glam::Vec3;
+use rotund_bvh::Bvh;
+use rotund_geometry::{Aabb, Ray};
+use support::{Ball, Random, ask, ask_any, boxes, loop_over};
+
+fn cloud(random: &mut Random, count: usize, radius: f32) -> Vec<Ball> {
+    (0..count)
+        .map(|_| Ball { center: random.point(), radius: radius * (0.1 + random.unit()) })
+        .collect()
+}
+
+fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
+    (0..count)
+        .map(|i| {
+            let origin = 2.0 * random.point();
+            let direction = random.point() * 2f32.powi(i as i32 % 9 - 4);
+            let mut ray = Ray::new(origin, direction);
+            if i % 3 == 0 {
+                ray.t_min = random.unit();
+                ray.t_max = ray.t_min + 2.0 * random.unit();
+            }
+            if i % 7 == 0 {
+                ray.t_min = -1.0;
+            }
+            ray
+        })
+        .collect()
+}
+
+#[test]
+fn closest_and_any_agree_with_a_loop() {
+    for (count, radius) in
+        [(1, 0.5), (2, 0.5), (7, 0.3), (8, 0.3), (9, 0.3), (100, 0.2), (5000, 0.03)]
+    {
+        let mut random = Random(count as u64);
+        let balls = cloud(&mut random, count, radius);
+        let bvh = Bvh::build(&boxes(&balls));
+        let mut hits = 0;
+        for ray in rays(&mut random, 2000) {
+            let expected = loop_over(&balls, &ray);
+            assert_eq!(ask(&bvh, &balls, &ray), expected, "{count} balls, {ray:?}");
+            assert_eq!(ask_any(&bvh, &balls, &ray), expected.is_some(), "{count} balls, {ray:?}");
+            hits += usize::from(expected.is_some());
+        }
+        assert!(hits >= 10, "{count} balls: only {hits} hits test little");
+    }
+}
+
+#[test]
+fn a_tree_built_by_tasks_agrees_with_a_loop() {
+    let mut random = Random(9);
+    let balls = cloud(&mut random, 100_000, 0.01);
+    let bvh = Bvh::build(&boxes(&balls));
+    for ray in rays(&mut random, 100) {
+        assert_eq!(ask(&bvh, &balls, &ray), loop_over(&balls, &ray), "{ray:?}");
+    }
+}
+
+#[test]
+fn a_tie_goes_to_the_lower_id() {
+    // Every ball ten times, shuffled.
+    let mut random = Random(3);
+    let mut balls = cloud(&mut random, 100, 0.2).repeat(10);
+    for i in (1..balls.len()).rev() {
+        balls.swap(i, random.below(i + 1));
+    }
+    let bvh = Bvh::build(&boxes(&balls));
+    for ray in rays(&mut random, 2000) {
+        assert_eq!(ask(&bvh, &balls, &ray), loop_over(&balls, &ray), "{ray:?}");
+    }
+}
+
+#[test]
+fn the_interval_shrinks_to_the_closest_hit_so_far() {
+    let row: Vec<Ball> =
+        (0..100).map(|i| Ball { center: Vec3::X * i as f32, radius: 0.25 }).collect();
+    let bvh = Bvh::build(&boxes(&row));
+    let ray = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
+    let (mut asked, mut bound) = (0, f32::INFINITY);
+    let hit = bvh.closest(&ray, |id, ray| {
+        asked += 1;
+        assert!(ray.t_max <= bound, "t_max grew from {bound} to {}", ray.t_max);
+        let t = row[id as usize].closest(ray)?;
+        bound = t;
+        Some((t, id))
+    });
+    assert_eq!(hit, Some((0, 0.75, 0)));
+    assert!(asked <= 8, "asked {asked} balls of 100 behind the first");
+}
+
+#[test]
+fn an_answer_outside_the_interval_is_a_miss() {
+    let bvh = Bvh::build(&[Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) }]);
+    let ray = Ray { t_min: 1.0, t_max: 5.0, ..Ray::new(Vec3::X * -3.0, Vec3::X) };
+    for (answer, expected) in [
+        (1.0, Some((0, 1.0, ()))),
+        (5.0, Some((0, 5.0, ()))),
+        (0.999, None),
+        (5.001, None),
+        (f32::NAN, None),
+    ] {
+        assert_eq!(bvh.closest(&ray, |_, _| Some((answer, ()))), expected, "{answer}");
+    }
+}
+
+#[test]
+fn each_id_is_asked_at_most_once() {
+    let mut random = Random(5);
+    let balls = cloud(&mut random, 1000, 0.3);
+    let bvh = Bvh::build(&boxes(&balls));
+    for ray in rays(&mut random, 100) {
+        let mut asked = vec![0; balls.len()];
+        assert!(
+            !bvh.any(&ray, |id, _| {
+                asked[id as usize] += 1;
+                false
+            }),
+            "nothing answered true"
+        );
+        assert!(asked.iter().all(|&count| count <= 1), "{ray:?}");
+    }
+}
+
+#[test]
+fn trees_nest() {
+    // Two levels: copies of one tree, each moved.
+    let mut random = Random(8);
+    let balls = cloud(&mut random, 50, 0.3);
+    let inner = Bvh::build(&boxes(&balls));
+    let moves: Vec<Vec3> = (0..40).map(|_| 8.0 * random.point()).collect();
+    let outer: Vec<Aabb> = moves
+        .iter()
+        .map(|&by| Aabb { min: inner.bounds().min + by, max: inner.bounds().max + by })
+        .collect();
+    let outer = Bvh::build(&outer);
+    for _ in 0..1000 {
+        let ray = Ray::new(10.0 * random.point(), random.point());
+        let moved = |by: Vec3, ray: &Ray| Ray { origin: ray.origin - by, ..*ray };
+        let found = outer.closest(&ray, |instance, ray| {
+            let (ball, t) = ask(&inner, &balls, &moved(moves[instance as usize], ray))?;
+            Some((t, ball))
+        });
+        let expected =
+            moves.iter().enumerate().fold(None, |best: Option<(u32, f32, u32)>, (i, &by)| {
+                match loop_over(&balls, &moved(by, &ray)) {
+                    Some((ball, t)) if best.is_none_or(|(_, best, _)| t < best) => {
+                        Some((i as u32, t, ball))
+                    }
+                    _ => best,
+                }
+            });
+        assert_eq!(found, expected, "{ray:?}");
+    }
+}
