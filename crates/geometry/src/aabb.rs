@@ -46,4 +46,10 @@ impl Aabb {
         let size = (self.max - self.min).max(Vec3::ZERO);
         size.x * size.y + size.y * size.z + size.z * size.x
     }
+
+    /// The box with each side moved out to the next `f32`: rounding a point of the surface, or a
+    /// side of the box, to nearest cannot leave it.
+    pub(crate) fn grown_by_rounding(self) -> Self {
+        Self { min: self.min.map(f32::next_down), max: self.max.map(f32::next_up) }
+    }
 }

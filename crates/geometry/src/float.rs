@@ -1,6 +1,8 @@
 //! Rounding bounds, and how to leave a surface without hitting it again.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+
+use crate::Ray;
 
 /// Half the distance between 1 and the next larger `f32`: the largest relative error of one
 /// rounding.
@@ -29,4 +31,33 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
     };
     let step = error * side;
     Vec3::new(away(position.x, step.x), away(position.y, step.y), away(position.z, step.z))
+}
+
+/// Bound on the distance between a point and `p`, its coordinates rounded to `f32`.
+///
+/// Each coordinate moves by at most `u |p_i| (1 + u)`, `u` being [`UNIT_ROUNDOFF`], or by half of the
+/// smallest subnormal number. The sum of the three bounds the length of the step, and costs no square
+/// root. The factor pays for what came before, in `f64`: all of it stays under `2⁻²⁴ u |p|`... and the
+/// smallest normal number stands in for the subnormal ones, so that the step never underflows.
+#[inline]
+pub(crate) fn rounding_error(p: Vec3) -> f32 {
+    const FACTOR: f32 = UNIT_ROUNDOFF * (1.0 + 16.0 * f32::EPSILON);
+    let p = p.abs();
+    FACTOR * (p.x + p.y + p.z) + f32::MIN_POSITIVE
+}
+
+/// Rounds `t` to `f32`; `None` if that is not finite or not in the interval of the ray.
+///
+/// The rounded value decides, because it is the one that callers see: a hit is always within its
+/// interval, and is found again if it becomes the end of the interval.
+#[inline]
+pub(crate) fn accept(ray: &Ray, t: f64) -> Option<f32> {
+    let t = t as f32;
+    (t >= ray.t_min && t <= ray.t_max && t.is_finite()).then_some(t)
+}
+
+/// Rounds each coordinate to `f32`, once.
+#[inline]
+pub(crate) fn round(p: DVec3) -> Vec3 {
+    p.as_vec3()
 }

@@ -1,0 +1,244 @@
+//! The rounded cone.
+//!
+//! # Derivation
+//!
+//! Put `p0` at the origin; `e = p1 - p0`, `L² = e·e`, `ρ = r0 - r1`, and `d2 = L² - ρ²`, which is
+//! positive unless one ball holds the other. The balls `|x - s e| = r0 - s ρ`, `0 <= s <= 1`, sweep the
+//! solid; they touch the cone that is tangent to both end balls. A point `x` of the cone belongs to
+//! the ball `s = y / d2`, with `y = x·e - r0 ρ`, so the body is the part with `0 <= y <= d2` and the
+//! caps lie on either side of these two planes.
+//!
+//! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant `k1² - k0 k2`
+//! has terms that grow with the fourth power of the distance. Let `w = f × d`, `g = d × e` and
+//! `w1 = w + g = (o - p1) × d`. Expanding it in these, everything that grows with the distance cancels
+//! in letters instead of in digits, and what is left is Lagrange's identity of the sphere, carried over
+//! to two balls:
+//!
+//! ```text
+//! discriminant = d2 D        D = |r0 w1 - r1 w|² - (f·g)²
+//! ```
+//!
+//! where `f·g` is the volume that tells how far the line passes from the axis. The roots are counted
+//! from the point of the line closest to `p0`, in `θ = a (t - tc)`, `a = d·d`, `tc = -f·d / a`:
+//!
+//! ```text
+//! k2 θ² + 2 K1 θ + K0 = 0      k2 = |g|² - ρ² a      K1 = -m Y      K0 = a d2 (|w|² - r0² a) - Y²
+//! a y = Y + m θ                Y = -(w·g) - r0 ρ a   m = d·e        θ = (-K1 ∓ a sqrt(d2 D)) / k2
+//! ```
+//!
+//! # Which part is hit
+//!
+//! The solid lies inside its tangent cone, so a line that misses the cone misses the solid. The side on
+//! which the ray enters the cone (`y` below 0, within `0..=d2`, above `d2`) tells whether it enters the
+//! solid through the cap about `p0`, the body, or the cap about `p1`: the slab of the cone between the two
+//! planes is in the solid, hence a ray cannot cross it without having entered. The same holds for the exit.
+//! A line steeper than the cone (`k2 < 0`) comes from, or goes to, infinity inside the cone, on the side
+//! of the larger ball: there the cap of that ball decides.
+//!
+//! Source: I. Quilez, "Rounded cone intersection", 2018, for the quadratic (`k2`, `y`, `d2` are his).
+
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::float::{accept, round, rounding_error};
+use crate::profile::Profile;
+use crate::{Aabb, Hit, Ray};
+
+/// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoundedCone {
+    /// Centre of the first ball.
+    pub p0: Vec3,
+    /// Radius of the first ball; not negative, and one of the two positive.
+    pub r0: f32,
+    /// Centre of the second ball.
+    pub p1: Vec3,
+    /// Radius of the second ball.
+    pub r1: f32,
+}
+
+/// A crossing before it is rounded: its point relative to `p0`, and the ball it belongs to.
+#[derive(Clone, Copy)]
+struct Root {
+    t: f32,
+    from_p0: DVec3,
+    s: f64,
+}
+
+/// Entry or exit.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    Entry,
+    Exit,
+}
+
+impl RoundedCone {
+    /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
+    #[must_use]
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let root = self.solve(ray)?;
+        let position = round(self.p0.as_dvec3() + root.from_p0);
+        Some(Hit {
+            t: root.t,
+            position,
+            error: rounding_error(position),
+            normal: round(self.normal_of(&root)),
+            parameters: Vec2::new(root.s as f32, 0.0),
+        })
+    }
+
+    /// The `t` of [`Self::closest`], the same bits, at less cost.
+    #[must_use]
+    #[inline]
+    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
+        self.solve(ray).map(|root| root.t)
+    }
+
+    /// True if [`Self::closest`] finds a hit.
+    #[must_use]
+    #[inline]
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.solve(ray).is_some()
+    }
+
+    #[inline]
+    fn solve(&self, ray: &Ray) -> Option<Root> {
+        let p0 = self.p0.as_dvec3();
+        let e = self.p1.as_dvec3() - p0;
+        let f = ray.origin.as_dvec3() - p0;
+        let d = ray.direction.as_dvec3();
+        let (r0, r1) = (f64::from(self.r0), f64::from(self.r1));
+        let rho = r0 - r1;
+        let d2 = e.dot(e) - rho * rho;
+        if d2 <= 0.0 {
+            return self.solve_larger_ball(ray, f, e, d);
+        }
+        let w = f.cross(d);
+        let g = d.cross(e);
+        let moment = r0 * g + rho * w;
+        let volume = f.dot(g);
+        let big_d = moment.dot(moment) - volume * volume;
+        // Written so that a NaN fails.
+        if !(big_d >= 0.0 && r0 >= 0.0 && r1 >= 0.0 && r0 + r1 > 0.0) {
+            return None;
+        }
+        let a = d.dot(d);
+        let m = d.dot(e);
+        let b = f.dot(d);
+        let k2 = g.dot(g) - rho * rho * a;
+        let y0 = -w.dot(g) - r0 * rho * a;
+        let k1 = -m * y0;
+        let k0 = a * d2 * (w.dot(w) - r0 * r0 * a) - y0 * y0;
+        // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
+        let q = -k1 - (a * (d2 * big_d).sqrt()).copysign(k1);
+        let steep = k2 < 0.0;
+
+        let at = |end: End| -> Option<Option<Root>> {
+            // `q / k2` is the entry if `k1` is positive, else the exit.
+            let theta = if steep && ((end == End::Entry) == (m * rho >= 0.0)) {
+                if end == End::Entry { f64::NEG_INFINITY } else { f64::INFINITY }
+            } else if (end == End::Entry) == k1.is_sign_positive() {
+                q / k2
+            } else {
+                k0 / q
+            };
+            let y = y0 + m * theta;
+            if y < 0.0 {
+                let t = ball(f, a, b, w, r0, end)?;
+                Some(accept(ray, t).map(|rounded| Root { t: rounded, from_p0: f + t * d, s: 0.0 }))
+            } else if y <= d2 * a {
+                let t = (theta - b) / a;
+                let s = y / (d2 * a);
+                Some(accept(ray, t).map(|rounded| Root { t: rounded, from_p0: f + t * d, s }))
+            } else if y > d2 * a {
+                let t = ball(f - e, a, b - m, w + g, r1, end)?;
+                Some(accept(ray, t).map(|rounded| Root { t: rounded, from_p0: f + t * d, s: 1.0 }))
+            } else {
+                None
+            }
+        };
+        match at(End::Entry)? {
+            Some(root) => Some(root),
+            None => at(End::Exit)?,
+        }
+    }
+
+    /// One ball holds the other.
+    #[cold]
+    fn solve_larger_ball(&self, ray: &Ray, f: DVec3, e: DVec3, d: DVec3) -> Option<Root> {
+        let (r, s) = if self.r0 >= self.r1 { (self.r0, 0.0) } else { (self.r1, 1.0) };
+        if !(r > 0.0 && self.r0.min(self.r1) >= 0.0 && e.is_finite()) {
+            return None;
+        }
+        let x = f - s * e;
+        let [a, b] = [d.dot(d), x.dot(d)];
+        let w = x.cross(d);
+        [End::Entry, End::Exit].into_iter().find_map(|end| {
+            let t = ball(x, a, b, w, f64::from(r), end)?;
+            Some(Root { t: accept(ray, t)?, from_p0: f + t * d, s })
+        })
+    }
+
+    /// The normal at a root: away from the centre of its ball.
+    #[inline]
+    fn normal_of(&self, root: &Root) -> DVec3 {
+        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
+        let radius = f64::from(self.r0) + root.s * (f64::from(self.r1) - f64::from(self.r0));
+        let n = (root.from_p0 - root.s * e) / radius;
+        let square = n.dot(n);
+        if square > 0.99 && square < 1.01 {
+            return n;
+        }
+        // At a tip of radius zero there are many normals; the axis is one of them.
+        (n / square.sqrt())
+            .try_normalize()
+            .unwrap_or_else(|| (if root.s < 0.5 { -e } else { e }).normalize())
+    }
+
+    /// A box that holds the shape, and every position that [`Self::closest`] reports.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        let (r0, r1) = (Vec3::splat(self.r0), Vec3::splat(self.r1));
+        Aabb { min: (self.p0 - r0).min(self.p1 - r1), max: (self.p0 + r0).max(self.p1 + r1) }
+            .grown_by_rounding()
+    }
+
+    /// The parameters of a hit: along the profile and around the axis, see [`Self::position`].
+    #[must_use]
+    pub fn uv(&self, hit: &Hit) -> Vec2 {
+        Profile::new(self).uv(f64::from(hit.parameters.x), hit.normal.as_dvec3())
+    }
+
+    /// The point at the fraction `u` of the profile, and at the angle `2 pi v` around the axis.
+    ///
+    /// The profile runs, at constant speed, from the pole of the ball about `p0` over the cap, the body
+    /// and the other cap to the pole about `p1`.
+    #[must_use]
+    pub fn position(&self, uv: Vec2) -> Vec3 {
+        round(Profile::new(self).position(uv))
+    }
+
+    /// The outward unit normal at [`Self::position`].
+    #[must_use]
+    pub fn normal(&self, uv: Vec2) -> Vec3 {
+        round(Profile::new(self).normal(uv))
+    }
+
+    /// The derivatives of [`Self::position`] by `u` and by `v`. The second is zero at the poles.
+    #[must_use]
+    pub fn tangents(&self, uv: Vec2) -> (Vec3, Vec3) {
+        let (du, dv) = Profile::new(self).tangents(uv);
+        (round(du), round(dv))
+    }
+}
+
+/// Where the ray `f + t d` enters or leaves the ball of radius `r` about the origin; `w = f × d`.
+#[inline]
+fn ball(f: DVec3, a: f64, b: f64, w: DVec3, r: f64, end: End) -> Option<f64> {
+    let discriminant = a * r * r - w.dot(w);
+    // Written so that a NaN is no root.
+    (discriminant >= 0.0).then(|| {
+        let q = -b - discriminant.sqrt().copysign(b);
+        if (end == End::Entry) == (q < 0.0) { q / a } else { (f.dot(f) - r * r) / q }
+    })
+}
