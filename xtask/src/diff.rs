@@ -3,15 +3,17 @@
 //! Reads EXR, HDR, PNG and JPEG; `B` is the reference that relative errors are relative to.
 
 use crate::console::{Table, say};
-use crate::difference::metrics::{Metrics, metrics};
-use crate::picture::Picture;
+use crate::difference::Difference;
+use crate::difference::metrics::Metrics;
+use crate::picture::{Picture, write_png};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
   cargo xtask diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
-  cargo xtask diff mine.exr reference.exr --json";
+  cargo xtask diff mine.exr reference.exr --json
+  cargo xtask diff a.png b.png --signed-map signed.png --flip-map flip.png";
 
 /// Options of `diff`.
 #[derive(Debug, clap::Args)]
@@ -21,6 +23,12 @@ pub(crate) struct Args {
     a: PathBuf,
     /// The image it is held against, of the same size.
     b: PathBuf,
+    /// Write where A is lighter (red) and darker (blue) than B, as a PNG with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    signed_map: Option<PathBuf>,
+    /// Write the FLIP error of each pixel, as a PNG with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    flip_map: Option<PathBuf>,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -28,13 +36,22 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> Result<()> {
     let (a, b) = (Picture::read(&args.a)?, Picture::read(&args.b)?);
-    let metrics = metrics(&a, &b).with_context(|| {
+    let difference = Difference::between(&a, &b).with_context(|| {
         format!("cannot compare {} with {}", args.a.display(), args.b.display())
     })?;
-    if args.json {
-        return say(serde_json::to_string_pretty(&metrics)?);
+    let maps = [
+        (&args.signed_map, Difference::signed_map as fn(&_) -> _),
+        (&args.flip_map, Difference::flip_map),
+    ];
+    for (path, draw) in maps {
+        if let Some(path) = path {
+            write_png(path, &draw(&difference))?;
+        }
     }
-    say(table(&metrics).to_string())
+    if args.json {
+        return say(serde_json::to_string_pretty(&difference.metrics)?);
+    }
+    say(table(&difference.metrics).to_string())
 }
 
 fn table(m: &Metrics) -> Table {
@@ -46,6 +63,7 @@ fn table(m: &Metrics) -> Table {
     table.row(["rmse".to_owned(), format!("{:.6}", m.rmse)]);
     table.row(["rel_mse".to_owned(), format!("{:.6}", m.rel_mse)]);
     table.row(["rel_mse, worst 0.1 % left out".to_owned(), format!("{:.6}", m.rel_mse_trimmed)]);
+    table.row(["flip_mean".to_owned(), format!("{:.6}", m.flip_mean)]);
     table.row(["changed_fraction".to_owned(), format!("{:.6}", m.changed_fraction)]);
     if m.invalid_pixels > 0 {
         table.row(["pixels not finite, left out".to_owned(), m.invalid_pixels.to_string()]);

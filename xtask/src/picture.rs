@@ -1,8 +1,11 @@
 //! Pictures as commands compare them: linear RGB read from any image file.
 
+use crate::difference::color::linear_from_srgb;
 use anyhow::{Context, Result, bail};
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use glam::Vec3;
+use image::RgbImage;
+use rotund_trace::output;
 use std::path::Path;
 
 /// An image in linear RGB, row by row from the top; alpha is dropped.
@@ -63,24 +66,10 @@ fn read_with_image(path: &Path, linear: bool) -> Result<Picture> {
     Ok(Picture { width, height, pixels })
 }
 
-/// IEC 61966-2-1, decoded.
-pub(crate) fn linear_from_srgb(color: Vec3) -> Vec3 {
-    map_channels(color, |c| if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) })
-}
-
-/// IEC 61966-2-1, encoded; values outside `0.0..=1.0` are clamped and NaN becomes black.
-pub(crate) fn srgb_from_linear(color: Vec3) -> Vec3 {
-    map_channels(color, |c| {
-        let c = if c > 0.0 { c.min(1.0) } else { 0.0 };
-        if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-    })
-}
-
-/// Relative luminance with the weights of ITU-R BT.709.
-pub(crate) fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
-fn map_channels(color: Vec3, f: impl Fn(f32) -> f32) -> Vec3 {
-    Vec3::new(f(color.x), f(color.y), f(color.z))
+/// Writes an 8-bit PNG: to another name first, renamed when complete.
+pub(crate) fn write_png(path: &Path, image: &RgbImage) -> Result<()> {
+    output::write_with(path, |file| {
+        image.write_with_encoder(image::codecs::png::PngEncoder::new(file))
+    })?;
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! One number per question about two pictures of the same size.
 
-use crate::picture::{Picture, luminance, srgb_from_linear};
+use super::color::{luminance, srgb_from_linear};
+use crate::picture::Picture;
 use anyhow::{Result, bail};
 use glam::Vec3;
 use serde::Serialize;
@@ -34,27 +35,25 @@ pub(crate) struct Metrics {
     pub(crate) rel_mse: f64,
     /// The same without the worst 0.1 % of the pixels: what remains without fireflies.
     pub(crate) rel_mse_trimmed: f64,
+    /// Mean of [`flip`](mod@super::flip), `0.0..=1.0`.
+    pub(crate) flip_mean: f64,
     /// Share of the pixels of which a channel differs by more than two steps of 8-bit sRGB.
     pub(crate) changed_fraction: f64,
     /// Pixels left out because one of the pictures is NaN or infinite there.
     pub(crate) invalid_pixels: usize,
 }
 
-/// Compares `a` with `b`.
+/// Compares `a` with `b`, whose mean FLIP error is `flip_mean`.
 ///
 /// # Errors
 ///
-/// The pictures must have the same size and at least one pixel that is finite in both.
-pub(crate) fn metrics(a: &Picture, b: &Picture) -> Result<Metrics> {
-    if (a.width, a.height) != (b.width, b.height) {
-        bail!(
-            "the images differ in size: {} x {} and {} x {}",
-            a.width,
-            a.height,
-            b.width,
-            b.height
-        );
-    }
+/// There must be at least one pixel that is finite in both.
+///
+/// # Panics
+///
+/// If the pictures differ in size.
+pub(super) fn metrics(a: &Picture, b: &Picture, flip_mean: f64) -> Result<Metrics> {
+    assert_eq!((a.width, a.height), (b.width, b.height), "pictures of the same size");
     let (mut sum_a, mut sum_b, mut abs, mut squares) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     let mut changed = 0usize;
     let mut relative: Vec<f32> = Vec::with_capacity(a.pixels.len());
@@ -89,6 +88,7 @@ pub(crate) fn metrics(a: &Picture, b: &Picture) -> Result<Metrics> {
         rmse: (squares / (3.0 * pixels)).sqrt(),
         rel_mse: sum(&relative) / pixels,
         rel_mse_trimmed: sum(&relative[..kept]) / kept as f64,
+        flip_mean,
         changed_fraction: changed as f64 / pixels,
         invalid_pixels: a.pixels.len() - valid,
     })
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn equal_pictures_differ_by_nothing() {
         let a = picture(vec![Vec3::ZERO, Vec3::new(0.5, 7.0, 0.1)]);
-        let m = metrics(&a, &a).unwrap();
+        let m = metrics(&a, &a, 0.0).unwrap();
         assert_eq!((m.mean_abs, m.rmse, m.rel_mse, m.changed_fraction), (0.0, 0.0, 0.0, 0.0));
         assert_eq!(m.luminance_ratio, 1.0);
     }
@@ -116,7 +116,7 @@ mod tests {
     fn one_channel_of_one_pixel_of_two_gives_the_numbers_done_by_hand() {
         let a = picture(vec![Vec3::new(0.5, 0.2, 0.2), Vec3::splat(0.2)]);
         let b = picture(vec![Vec3::new(0.2, 0.2, 0.2), Vec3::splat(0.2)]);
-        let m = metrics(&a, &b).unwrap();
+        let m = metrics(&a, &b, 0.0).unwrap();
         let near = |x: f64, y: f64| assert!((x - y).abs() < 1e-6, "{x} is not {y}");
         near(m.mean_abs, 0.3 / 6.0);
         near(m.rmse, (0.09f64 / 6.0).sqrt());
@@ -130,7 +130,7 @@ mod tests {
         let b = picture(vec![Vec3::ONE; 1000]);
         let mut a = b.clone();
         a.pixels[17] = Vec3::splat(1e4);
-        let m = metrics(&a, &b).unwrap();
+        let m = metrics(&a, &b, 0.0).unwrap();
         assert!(m.rel_mse > 1e4 && m.rel_mse_trimmed == 0.0, "{m:?}");
     }
 
@@ -138,14 +138,8 @@ mod tests {
     fn pixels_that_are_not_finite_are_counted_and_left_out() {
         let a = picture(vec![Vec3::NAN, Vec3::splat(f32::INFINITY), Vec3::ONE]);
         let b = picture(vec![Vec3::ONE; 3]);
-        let m = metrics(&a, &b).unwrap();
+        let m = metrics(&a, &b, 0.0).unwrap();
         assert_eq!((m.invalid_pixels, m.mean_abs), (2, 0.0));
-        assert!(metrics(&picture(vec![Vec3::NAN]), &picture(vec![Vec3::ONE])).is_err());
-    }
-
-    #[test]
-    fn pictures_of_different_size_are_refused() {
-        let error = metrics(&picture(vec![Vec3::ONE]), &picture(vec![Vec3::ONE; 2])).unwrap_err();
-        assert_eq!(error.to_string(), "the images differ in size: 1 x 1 and 2 x 1");
+        assert!(metrics(&picture(vec![Vec3::NAN]), &picture(vec![Vec3::ONE]), 0.0).is_err());
     }
 }
