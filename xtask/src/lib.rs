@@ -21,6 +21,7 @@ use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 
+mod accuracy;
 mod console;
 mod diff;
 mod difference;
@@ -43,6 +44,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Measure speed against error of every intersector.
+    Accuracy(accuracy::Args),
     /// Say in numbers how far two images are apart.
     Diff(diff::Args),
 }
@@ -50,6 +53,7 @@ enum Command {
 impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
+            Self::Accuracy(args) => accuracy::run(args),
             Self::Diff(args) => diff::run(args),
         }
     }

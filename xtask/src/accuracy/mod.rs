@@ -1,0 +1,131 @@
+//! `accuracy`: speed against error of every intersector, the library's own and the published ones.
+//!
+//! Rays of the hardest families are solved in 106 bits by formulas that share nothing with the code
+//! under test; every method is held against that. Prints a table for each shape. It exists so that each claim about accuracy or speed has a command.
+
+mod baselines;
+mod families;
+mod leaving;
+mod methods;
+mod overview;
+mod random;
+mod replay;
+mod sheets;
+mod study;
+mod tally;
+mod targets;
+mod timing;
+mod truth;
+mod wide;
+
+use std::{
+    fs,
+    io::{IsTerminal, Write as _},
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use anyhow::{Context, Result, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::console::say;
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask accuracy --json out/accuracy.json
+  cargo xtask accuracy --shape cone --family grazing --method rotund --no-timing
+  cargo xtask accuracy --seed 7 --check";
+
+/// Options of `accuracy`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Only shapes with this in their name: sphere, cone, patch. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    shape: Vec<String>,
+    /// Only families with this in their name. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    family: Vec<String>,
+    /// Only methods with this in their name. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    method: Vec<String>,
+    /// Rays of each family and level; four times as many are aimed at each kind of joint.
+    #[arg(long, default_value_t = 10_000, value_name = "COUNT")]
+    rays: u64,
+    /// Where the random numbers start.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write everything that was measured to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Fail if one of our own methods misses a target, and list each row that does.
+    #[arg(long)]
+    check: bool,
+    /// Show one case, as reports name it, with the answer of every method.
+    #[arg(long, value_name = "CASE", exclusive = true)]
+    replay: Option<String>,
+    /// Do not measure time.
+    #[arg(long)]
+    no_timing: bool,
+}
+
+pub(crate) fn run(args: Args) -> Result<()> {
+    if let Some(case) = &args.replay {
+        return replay::run(case);
+    }
+    ensure!(args.rays > 0, "--rays must be at least 1");
+    let options = study::Options {
+        shapes: args.shape,
+        families: args.family,
+        methods: args.method,
+        rays: args.rays,
+        seed: args.seed,
+        timing: !args.no_timing,
+    };
+    let rows = options.row_count();
+    ensure!(rows > 0, "no shape and family has these names; `--family` alone lists none");
+    let progress = progress(rows);
+    let study = study::run(&options, &progress);
+    progress.finish_and_clear();
+    ensure!(!study.shapes.is_empty(), "no method has the name given with --method");
+    let verdicts = targets::verdicts(&study);
+    overview::print(&study, &verdicts)?;
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({ "study": study, "targets": verdicts });
+        write(path, serde_json::to_string_pretty(&all)?.as_bytes())?;
+    }
+    let missed: Vec<_> = verdicts.iter().filter(|v| !v.met).collect();
+    if args.check && !missed.is_empty() {
+        for verdict in &missed {
+            say(format!("\n{}, {}, limit {}:", verdict.shape, verdict.what, verdict.limit))?;
+            for miss in &verdict.misses {
+                say(format!("  {miss}"))?;
+            }
+        }
+        bail!("{} of {} targets are missed", missed.len(), verdicts.len());
+    }
+    Ok(())
+}
+
+/// A bar on a terminal and nothing elsewhere.
+fn progress(rows: usize) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(rows as u64);
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} rows, {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// Writes to a temporary file beside `path` and renames it, so that nobody sees half of it.
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let failed = || format!("cannot write {}", path.display());
+    fs::create_dir_all(directory).with_context(failed)?;
+    let mut file = tempfile::NamedTempFile::new_in(directory).with_context(failed)?;
+    file.write_all(bytes).with_context(failed)?;
+    file.persist(path).with_context(failed)?;
+    Ok(())
+}
