@@ -76,6 +76,10 @@ impl Profile {
         self.normal_at(&self.place(f64::from(uv.x)), f64::from(uv.y))
     }
 
+    pub(crate) fn ball(&self, uv: Vec2) -> f64 {
+        self.place(f64::from(uv.x)).s
+    }
+
     pub(crate) fn position(&self, uv: Vec2) -> DVec3 {
         let place = self.place(f64::from(uv.x));
         let center = self.p0 + place.s * (self.p1 - self.p0);

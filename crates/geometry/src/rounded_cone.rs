@@ -218,6 +218,13 @@ impl RoundedCone {
         round(Profile::new(self).position(uv))
     }
 
+    /// The ball that touches the surface at [`Self::position`]: 0 about `p0`, 1 about `p1`, and between
+    /// them in proportion. What varies between the ends of a tube is interpolated by it.
+    #[must_use]
+    pub fn along_axis(&self, uv: Vec2) -> f32 {
+        Profile::new(self).ball(uv) as f32
+    }
+
     /// The outward unit normal at [`Self::position`].
     #[must_use]
     pub fn normal(&self, uv: Vec2) -> Vec3 {

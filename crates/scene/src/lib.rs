@@ -2,13 +2,20 @@
 
 mod camera;
 mod environment;
+mod eval;
+mod frame;
+mod intersect;
+mod load;
 mod material;
+mod primitive;
 mod scene;
 mod shape;
 mod texture;
 
 pub use camera::Camera;
 pub use environment::Environment;
+pub use intersect::{SceneHit, Trees};
+pub use load::{LoadError, LoadOptions, Loaded, NamedBy, load};
 pub use material::{Material, MaterialKind, MaterialPoint};
 pub use scene::{Instance, Scene};
 pub use shape::{ElementKind, Elements, Method, Shape};

@@ -26,6 +26,12 @@ pub enum Pixels {
 }
 
 impl Texture {
+    /// One white pixel.
+    pub(crate) fn white() -> Self {
+        let pixels = Pixels::Bytes(vec![[255; 4]]);
+        Self { name: String::new(), width: 1, height: 1, pixels }
+    }
+
     /// The linear colour and the opacity at `uv`: bytes are sRGB.
     ///
     /// Bilinear between the four nearest pixels; pixel `i` stands at `uv = i / size`, without a shift
@@ -99,15 +105,10 @@ fn neighbours(coordinate: f32, size: u32) -> (u32, u32, f32) {
     (first, (first + 1) % size, if fraction.is_finite() { fraction } else { 0.0 })
 }
 
-/// The sRGB transfer function for each byte (IEC 61966-2-1).
-static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let encoded = byte as f64 / 255.0;
-        let linear = if encoded <= 0.040_45 {
-            encoded / 12.92
-        } else {
-            ((encoded + 0.055) / 1.055).powf(2.4)
-        };
-        linear as f32
-    })
-});
+static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
+
+/// The sRGB transfer function (IEC 61966-2-1), from encoded to linear.
+pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}

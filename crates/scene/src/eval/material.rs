@@ -1,0 +1,58 @@
+//! Materials, with textures and vertex colours applied.
+
+use crate::{MaterialKind, MaterialPoint, Scene};
+use glam::{Vec2, Vec3, Vec4};
+
+/// The narrowest microfacet distribution that is not taken as perfectly smooth: a roughness of 0.03,
+/// squared.
+const LEAST_ALPHA: f32 = 0.03 * 0.03;
+
+impl Scene {
+    /// The material at a point: colour and emission times vertex colour and textures, opacity times
+    /// both alphas, roughness times the green of its texture.
+    ///
+    /// Matte and glossy surfaces are at least a little rough; the others become perfectly smooth below
+    /// the same bound, which is `alpha` 0.0009.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    #[must_use]
+    pub fn eval_material(&self, instance: u32, element: u32, uv: Vec2) -> MaterialPoint {
+        let material = &self.materials[self.instances[instance as usize].material as usize];
+        let vertex = self.eval_color(instance, element, uv);
+        let texcoord = self.eval_texcoord(instance, element, uv);
+        let texture = |index: Option<u32>| index.map(|index| &self.textures[index as usize]);
+        let painted = texture(material.color_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
+        let glow = texture(material.emission_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
+        let grain = texture(material.roughness_tex).map_or(Vec4::ONE, |t| t.data(texcoord));
+
+        let roughness = material.roughness * grain.y;
+        let alpha = roughness * roughness;
+        let color = material.color * vertex.truncate() * painted.truncate();
+        let (alpha, density) = match material.kind {
+            MaterialKind::Matte | MaterialKind::Glossy => {
+                (alpha.clamp(LEAST_ALPHA, 1.0), Vec3::ZERO)
+            }
+            MaterialKind::Reflective => (smooth_below_least(alpha), Vec3::ZERO),
+            MaterialKind::Refractive => {
+                // What is left of white after `trdepth` is `color`.
+                let remains = color.clamp(Vec3::splat(1e-4), Vec3::ONE);
+                (smooth_below_least(alpha), -remains.map(f32::ln) / material.trdepth)
+            }
+        };
+        MaterialPoint {
+            kind: material.kind,
+            emission: material.emission * glow.truncate() * vertex.truncate(),
+            color,
+            opacity: (material.opacity * painted.w * vertex.w).clamp(0.0, 1.0),
+            alpha,
+            ior: material.ior,
+            density,
+        }
+    }
+}
+
+fn smooth_below_least(alpha: f32) -> f32 {
+    if alpha < LEAST_ALPHA { 0.0 } else { alpha.min(1.0) }
+}

@@ -1,0 +1,7 @@
+//! What is at a point of a surface, named by `(instance, element, uv)`.
+
+mod material;
+mod normal;
+mod position;
+mod texcoord;
+mod weights;

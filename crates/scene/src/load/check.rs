@@ -1,0 +1,127 @@
+//! Numbers of a scene file that mean something.
+
+use super::format::{Frame, SceneFile};
+use crate::LoadError;
+use std::path::Path;
+
+/// Refuses numbers that no scene can mean, naming the field.
+pub(super) fn check(path: &Path, file: &SceneFile) -> Result<(), LoadError> {
+    let checker = Checker { path };
+    for (i, (_, camera)) in file.cameras.items.iter().enumerate() {
+        let field = |name: &str| format!("cameras[{i}].{name}");
+        checker.frame(field("frame"), camera.frame)?;
+        checker.number(field("lens"), camera.lens, "a positive number", |x| x > 0.0)?;
+        checker.number(field("film"), camera.film, "a positive number", |x| x > 0.0)?;
+        checker.number(field("aspect"), camera.aspect, "a positive number", |x| x > 0.0)?;
+        let focus = camera.focus.unwrap_or(1.0);
+        checker.number(field("focus"), focus, "a positive number", |x| x > 0.0)?;
+        checker.number(field("aperture"), camera.aperture, NOT_NEGATIVE, |x| x >= 0.0)?;
+        if let Some(lookat) = camera.lookat {
+            checker.lookat(field("lookat"), lookat.frame(-1.0))?;
+        }
+    }
+    for (i, (_, environment)) in file.environments.items.iter().enumerate() {
+        let field = |name: &str| format!("environments[{i}].{name}");
+        checker.frame(field("frame"), environment.frame)?;
+        checker.color(field("emission"), environment.emission)?;
+    }
+    for (i, (_, material)) in file.materials.items.iter().enumerate() {
+        let field = |name: &str| format!("materials[{i}].{name}");
+        checker.color(field("emission"), material.emission)?;
+        checker.color(field("color"), material.color)?;
+        checker.number(field("roughness"), material.roughness, UNIT, in_unit)?;
+        checker.number(field("opacity"), material.opacity, UNIT, in_unit)?;
+        checker.number(field("ior"), material.ior, "a positive number", |x| x > 0.0)?;
+        checker.number(field("trdepth"), material.trdepth, "a positive number", |x| x > 0.0)?;
+        checker.color(field("scattering"), material.scattering)?;
+        let anisotropy = material.scanisotropy;
+        checker.number(field("scanisotropy"), anisotropy, "between -1 and 1", |x| x.abs() < 1.0)?;
+    }
+    for (i, (_, instance)) in file.instances.items.iter().enumerate() {
+        let field = |name: &str| format!("instances[{i}].{name}");
+        checker.frame(field("frame"), instance.frame)?;
+        if let Some(lookat) = instance.lookat {
+            checker.lookat(field("lookat"), lookat.frame(1.0))?;
+        }
+    }
+    Ok(())
+}
+
+const NOT_NEGATIVE: &str = "a number that is not negative";
+const UNIT: &str = "a number between 0 and 1";
+
+fn in_unit(x: f32) -> bool {
+    (0.0..=1.0).contains(&x)
+}
+
+struct Checker<'a> {
+    path: &'a Path,
+}
+
+impl Checker<'_> {
+    fn number(
+        &self,
+        field: String,
+        value: f32,
+        expected: &'static str,
+        fits: impl Fn(f32) -> bool,
+    ) -> Result<(), LoadError> {
+        if value.is_finite() && fits(value) {
+            return Ok(());
+        }
+        Err(LoadError::Value {
+            path: self.path.to_owned(),
+            field,
+            value: value.to_string(),
+            expected,
+        })
+    }
+
+    fn color(&self, field: String, color: [f32; 3]) -> Result<(), LoadError> {
+        color
+            .into_iter()
+            .try_for_each(|c| self.number(field.clone(), c, NOT_NEGATIVE, |x| x >= 0.0))
+    }
+
+    /// A frame has to have an inverse that `f32` can hold.
+    fn frame(&self, field: String, Frame(frame): Frame) -> Result<(), LoadError> {
+        let determinant = frame.matrix3.determinant();
+        if frame.is_finite() && determinant != 0.0 && frame.inverse().is_finite() {
+            return Ok(());
+        }
+        Err(LoadError::Value {
+            path: self.path.to_owned(),
+            field,
+            value: format!("{:?}", frame.to_cols_array()),
+            expected: "a frame with three independent axes",
+        })
+    }
+
+    fn lookat(&self, field: String, frame: glam::Affine3A) -> Result<(), LoadError> {
+        if frame.is_finite() {
+            return Ok(());
+        }
+        Err(LoadError::Value {
+            path: self.path.to_owned(),
+            field,
+            value: "without a direction".to_owned(),
+            expected: "an eye, a centre apart from it, and an up vector across",
+        })
+    }
+}
+
+/// `materials.3.shine` as `materials[].shine`.
+pub(super) fn without_indices(field: &str) -> String {
+    let mut result = String::new();
+    for part in field.split('.') {
+        if part.bytes().all(|byte| byte.is_ascii_digit()) {
+            result.push_str("[]");
+        } else {
+            if !result.is_empty() {
+                result.push('.');
+            }
+            result.push_str(part);
+        }
+    }
+    result
+}

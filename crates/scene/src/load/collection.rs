@@ -1,0 +1,84 @@
+//! Arrays of a scene file, and references into them: by index, or by name in older files.
+
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::{fmt, marker::PhantomData};
+
+/// An array, or an object whose keys are names.
+#[derive(Debug)]
+pub(super) struct Collection<T> {
+    /// In the order of the file, with the key if there is one.
+    pub items: Vec<(Option<String>, T)>,
+}
+
+impl<T> Default for Collection<T> {
+    fn default() -> Self {
+        Self { items: Vec::new() }
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Collection<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Items<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Items<T> {
+            type Value = Collection<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an array, or an object whose keys are names")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut array: A) -> Result<Self::Value, A::Error> {
+                let mut items = Vec::new();
+                while let Some(item) = array.next_element()? {
+                    items.push((None, item));
+                }
+                Ok(Collection { items })
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut items = Vec::new();
+                while let Some((name, item)) = map.next_entry()? {
+                    items.push((Some(name), item));
+                }
+                Ok(Collection { items })
+            }
+        }
+
+        deserializer.deserialize_any(Items(PhantomData))
+    }
+}
+
+/// An index, or a name. yocto-gl writes -1 for no reference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Reference {
+    Index(i64),
+    Name(String),
+}
+
+impl<'de> Deserialize<'de> for Reference {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either;
+
+        impl Visitor<'_> for Either {
+            type Value = Reference;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an index or a name")
+            }
+
+            fn visit_i64<E>(self, index: i64) -> Result<Reference, E> {
+                Ok(Reference::Index(index))
+            }
+
+            fn visit_u64<E>(self, index: u64) -> Result<Reference, E> {
+                Ok(Reference::Index(i64::try_from(index).unwrap_or(i64::MAX)))
+            }
+
+            fn visit_str<E>(self, name: &str) -> Result<Reference, E> {
+                Ok(Reference::Name(name.to_owned()))
+            }
+        }
+
+        deserializer.deserialize_any(Either)
+    }
+}

@@ -1,0 +1,217 @@
+//! The scene file as it is written: a mirror for serde, with every default of the format.
+
+use super::collection::{Collection, Reference};
+use crate::Method;
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use serde::{Deserialize, Deserializer};
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct SceneFile {
+    pub asset: AssetFile,
+    /// How elements are met by rays, for shapes that do not say.
+    pub method: Option<MethodFile>,
+    pub cameras: Collection<CameraFile>,
+    pub environments: Collection<EnvironmentFile>,
+    pub textures: Collection<TextureFile>,
+    pub materials: Collection<MaterialFile>,
+    pub shapes: Collection<ShapeFile>,
+    #[serde(alias = "objects")]
+    pub instances: Collection<InstanceFile>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AssetFile {
+    pub version: Option<String>,
+    /// Known, so that nobody is warned; what it says matters to people only. Not `IgnoredAny`, which
+    /// counts as unknown.
+    #[serde(rename = "copyright")]
+    _copyright: serde_json::Value,
+    #[serde(rename = "generator")]
+    _generator: serde_json::Value,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MethodFile {
+    Vanilla,
+    Enhanced,
+}
+
+impl From<MethodFile> for Method {
+    fn from(method: MethodFile) -> Self {
+        match method {
+            MethodFile::Vanilla => Self::Vanilla,
+            MethodFile::Enhanced => Self::Enhanced,
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct CameraFile {
+    pub name: String,
+    pub frame: Frame,
+    pub lookat: Option<LookAt>,
+    pub orthographic: bool,
+    pub lens: f32,
+    pub film: f32,
+    pub aspect: f32,
+    pub focus: Option<f32>,
+    pub aperture: f32,
+}
+
+impl Default for CameraFile {
+    fn default() -> Self {
+        let crate::Camera { name, orthographic, lens, film, aspect, aperture, .. } =
+            crate::Camera::default();
+        let (frame, lookat, focus) = (Frame::default(), None, None);
+        Self { name, frame, lookat, orthographic, lens, film, aspect, focus, aperture }
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct EnvironmentFile {
+    pub name: String,
+    pub frame: Frame,
+    pub emission: [f32; 3],
+    pub emission_tex: Option<Reference>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TextureFile {
+    pub name: String,
+    pub uri: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MaterialType {
+    #[default]
+    Matte,
+    Glossy,
+    #[serde(alias = "metallic", alias = "metal")]
+    Reflective,
+    Refractive,
+    Transparent,
+    #[serde(alias = "volume")]
+    Volumetric,
+    Subsurface,
+    GltfPbr,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct MaterialFile {
+    pub name: String,
+    #[serde(rename = "type")]
+    pub kind: MaterialType,
+    pub emission: [f32; 3],
+    pub color: [f32; 3],
+    pub roughness: f32,
+    pub metallic: f32,
+    pub ior: f32,
+    pub trdepth: f32,
+    pub scattering: [f32; 3],
+    pub scanisotropy: f32,
+    pub opacity: f32,
+    pub emission_tex: Option<Reference>,
+    pub color_tex: Option<Reference>,
+    pub roughness_tex: Option<Reference>,
+    pub scattering_tex: Option<Reference>,
+    pub normal_tex: Option<Reference>,
+}
+
+impl Default for MaterialFile {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            kind: MaterialType::Matte,
+            emission: [0.0; 3],
+            color: [0.0; 3],
+            roughness: 0.0,
+            metallic: 0.0,
+            ior: 1.5,
+            trdepth: 0.01,
+            scattering: [0.0; 3],
+            scanisotropy: 0.0,
+            opacity: 1.0,
+            emission_tex: None,
+            color_tex: None,
+            roughness_tex: None,
+            scattering_tex: None,
+            normal_tex: None,
+        }
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ShapeFile {
+    pub name: String,
+    pub uri: Option<String>,
+    pub method: Option<MethodFile>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct InstanceFile {
+    pub name: String,
+    pub frame: Frame,
+    pub lookat: Option<LookAt>,
+    pub shape: Option<Reference>,
+    pub material: Option<Reference>,
+}
+
+/// Twelve numbers, flat or in four vectors: the axes x, y and z, and the origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame(pub Affine3A);
+
+impl Default for Frame {
+    fn default() -> Self {
+        Self(Affine3A::IDENTITY)
+    }
+}
+
+impl<'de> Deserialize<'de> for Frame {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "a frame: 12 numbers, or 4 vectors of 3 numbers")]
+        enum Form {
+            Flat([f32; 12]),
+            Nested([[f32; 3]; 4]),
+        }
+        Ok(Self(match Form::deserialize(deserializer)? {
+            Form::Flat(numbers) => Affine3A::from_cols_array(&numbers),
+            Form::Nested(columns) => Affine3A::from_cols_array_2d(&columns),
+        }))
+    }
+}
+
+/// Nine numbers: where one stands, what one looks at, and what is up.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct LookAt([f32; 9]);
+
+impl LookAt {
+    fn vectors(self) -> [Vec3; 3] {
+        let [ex, ey, ez, cx, cy, cz, ux, uy, uz] = self.0;
+        [Vec3::new(ex, ey, ez), Vec3::new(cx, cy, cz), Vec3::new(ux, uy, uz)]
+    }
+
+    pub(super) fn distance(self) -> f32 {
+        let [eye, center, _] = self.vectors();
+        eye.distance(center)
+    }
+
+    /// The frame whose -z axis (cameras) or +z axis (instances) points to the centre.
+    pub(super) fn frame(self, forward: f32) -> Affine3A {
+        let [eye, center, up] = self.vectors();
+        let z = (forward * (center - eye)).normalize();
+        let x = up.cross(z).normalize();
+        let matrix = Mat3A::from_cols(x.into(), z.cross(x).into(), z.into());
+        Affine3A { matrix3: matrix, translation: Vec3A::from(eye) }
+    }
+}

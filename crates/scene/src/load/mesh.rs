@@ -1,0 +1,244 @@
+//! What a file of geometry holds before it becomes a shape: elements of any kind, unchecked.
+
+use crate::{Elements, LoadError, Method, Shape};
+use glam::{Vec2, Vec3, Vec4};
+use std::path::Path;
+
+/// Arrays as they come from a file. Indices may be out of range and values may be no numbers.
+#[derive(Debug, Default)]
+pub(crate) struct Mesh {
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+    pub texcoords: Vec<Vec2>,
+    pub colors: Vec<Vec4>,
+    pub radii: Vec<f32>,
+    pub points: Vec<u32>,
+    pub lines: Vec<[u32; 2]>,
+    pub faces: Faces,
+}
+
+/// Triangles until the first quad comes.
+#[derive(Debug)]
+pub(crate) enum Faces {
+    Triangles(Vec<[u32; 3]>),
+    Quads(Vec<[u32; 4]>),
+}
+
+impl Default for Faces {
+    fn default() -> Self {
+        Self::Triangles(Vec::new())
+    }
+}
+
+impl Faces {
+    /// Triangles stay triangles until the first quad; after it they repeat their last vertex. Larger
+    /// polygons become a fan.
+    pub(crate) fn push_polygon(&mut self, polygon: &[u32]) {
+        match *polygon {
+            [a, b, c] => self.push_triangle(a, b, c),
+            [a, b, c, d] => self.push_quad([a, b, c, d]),
+            [first, ref rest @ ..] => {
+                for pair in rest.windows(2) {
+                    self.push_triangle(first, pair[0], pair[1]);
+                }
+            }
+            [] => {}
+        }
+    }
+
+    fn push_triangle(&mut self, a: u32, b: u32, c: u32) {
+        match self {
+            Self::Triangles(triangles) => triangles.push([a, b, c]),
+            Self::Quads(quads) => quads.push([a, b, c, c]),
+        }
+    }
+
+    fn push_quad(&mut self, quad: [u32; 4]) {
+        if let Self::Triangles(triangles) = self {
+            let quads = triangles.drain(..).map(|[a, b, c]| [a, b, c, c]).collect();
+            *self = Self::Quads(quads);
+        }
+        if let Self::Quads(quads) = self {
+            quads.push(quad);
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        match self {
+            Self::Triangles(triangles) => triangles.is_empty(),
+            Self::Quads(quads) => quads.is_empty(),
+        }
+    }
+}
+
+/// The radius of points and lines whose file gives none, in meters.
+pub(crate) const DEFAULT_RADIUS: f32 = 0.001;
+
+impl Mesh {
+    /// Checks everything and keeps what the one kind of elements needs. `path` is for messages;
+    /// what was mended is told in `warnings`.
+    pub(crate) fn into_shape(
+        mut self,
+        path: &Path,
+        default_radius: f32,
+        warnings: &mut Vec<String>,
+    ) -> Result<Shape, LoadError> {
+        self.check_kinds(path)?;
+        self.check_vertices(path, warnings)?;
+        let count = self.positions.len();
+        let elements = if !self.faces.is_empty() {
+            match std::mem::take(&mut self.faces) {
+                Faces::Triangles(triangles) => {
+                    check_indices(path, "face", &triangles, count)?;
+                    Elements::Triangles(triangles)
+                }
+                Faces::Quads(quads) => {
+                    check_indices(path, "face", &quads, count)?;
+                    Elements::Quads(quads)
+                }
+            }
+        } else if !self.lines.is_empty() {
+            let lines = std::mem::take(&mut self.lines);
+            check_indices(path, "line", &lines, count)?;
+            Elements::Lines(lines)
+        } else {
+            let points = std::mem::take(&mut self.points);
+            if !points.is_empty() {
+                self.gather(path, &points)?;
+            }
+            Elements::Points(u32::try_from(self.positions.len()).unwrap_or(u32::MAX))
+        };
+        if matches!(elements, Elements::Points(_) | Elements::Lines(_)) {
+            if self.radii.is_empty() {
+                self.radii = vec![default_radius; self.positions.len()];
+            }
+        } else {
+            self.radii = Vec::new();
+        }
+        Ok(Shape {
+            name: String::new(),
+            method: Method::default(),
+            elements,
+            positions: self.positions,
+            normals: self.normals,
+            texcoords: self.texcoords,
+            colors: self.colors,
+            radii: self.radii,
+        })
+    }
+
+    /// One kind of elements, or none but vertices: a cloud.
+    fn check_kinds(&self, path: &Path) -> Result<(), LoadError> {
+        let kinds = [
+            (!self.points.is_empty(), "points"),
+            (!self.lines.is_empty(), "lines"),
+            (!self.faces.is_empty(), "faces"),
+        ];
+        let mut present = kinds.iter().filter(|(present, _)| *present).map(|(_, name)| *name);
+        match (present.next(), present.next()) {
+            (Some(first), Some(second)) => {
+                Err(LoadError::MixedElements { path: path.to_owned(), first, second })
+            }
+            (None, _) if self.positions.is_empty() => {
+                Err(LoadError::EmptyShape { path: path.to_owned() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_vertices(&mut self, path: &Path, warnings: &mut Vec<String>) -> Result<(), LoadError> {
+        let count = self.positions.len() as u64;
+        if count > u64::from(u32::MAX) {
+            let limit = u64::from(u32::MAX);
+            return Err(LoadError::TooMany {
+                path: path.to_owned(),
+                what: "vertices",
+                count,
+                limit,
+            });
+        }
+        let bad = |index: usize, property: &str, value: String, expected| {
+            Err(LoadError::ElementValue {
+                path: path.to_owned(),
+                element: "vertex".to_owned(),
+                index: index as u64,
+                property: property.to_owned(),
+                value,
+                expected,
+            })
+        };
+        if let Some(i) = self.positions.iter().position(|p| !p.is_finite()) {
+            let [x, y, z] = self.positions[i].to_array();
+            return bad(i, "position", format!("({x}, {y}, {z})"), "finite coordinates");
+        }
+        if let Some(i) = self.radii.iter().position(|r| !(r.is_finite() && *r >= 0.0)) {
+            let expected = "a finite number that is not negative";
+            return bad(i, "radius", self.radii[i].to_string(), expected);
+        }
+        let unfit = |c: &Vec4| !c.is_finite() || c.cmplt(Vec4::ZERO).any();
+        if let Some(i) = self.colors.iter().position(unfit) {
+            let [r, g, b, a] = self.colors[i].to_array();
+            let expected = "finite numbers that are not negative";
+            return bad(i, "color", format!("({r}, {g}, {b}, {a})"), expected);
+        }
+        // Real files have a few of these where a mesh degenerates, and zero has a meaning: no
+        // normal of its own.
+        let mut mended = 0;
+        for normal in self.normals.iter_mut().filter(|normal| !normal.is_finite()) {
+            *normal = Vec3::ZERO;
+            mended += 1;
+        }
+        for texcoord in self.texcoords.iter_mut().filter(|texcoord| !texcoord.is_finite()) {
+            *texcoord = Vec2::ZERO;
+            mended += 1;
+        }
+        if mended > 0 {
+            warnings.push(format!(
+                "{}: {mended} normals or texture coordinates are not finite; taken as zero",
+                path.display()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Makes point `i` vertex `i`.
+    fn gather(&mut self, path: &Path, points: &[u32]) -> Result<(), LoadError> {
+        let points: &[[u32; 1]] = points.as_chunks().0;
+        check_indices(path, "point", points, self.positions.len())?;
+        let in_order = points.iter().zip(0..).all(|(point, i)| point[0] == i);
+        if in_order && points.len() == self.positions.len() {
+            return Ok(());
+        }
+        fn pick<T: Copy>(points: &[[u32; 1]], array: &mut Vec<T>) {
+            if !array.is_empty() {
+                *array = points.iter().map(|point| array[point[0] as usize]).collect();
+            }
+        }
+        pick(points, &mut self.positions);
+        pick(points, &mut self.normals);
+        pick(points, &mut self.texcoords);
+        pick(points, &mut self.colors);
+        pick(points, &mut self.radii);
+        Ok(())
+    }
+}
+
+fn check_indices<const N: usize>(
+    path: &Path,
+    element: &str,
+    elements: &[[u32; N]],
+    count: usize,
+) -> Result<(), LoadError> {
+    for (index, vertices) in elements.iter().enumerate() {
+        if let Some(&vertex) = vertices.iter().find(|vertex| **vertex as usize >= count) {
+            return Err(LoadError::VertexOutOfRange {
+                path: path.to_owned(),
+                element: element.to_owned(),
+                index: index as u64,
+                vertex: i64::from(vertex),
+                count,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! Bytes and words of a file whose length is known, and never asks for memory beyond it.
+
+use crate::{LoadError, load::error::NamedBy};
+use std::{
+    io::{self, BufRead},
+    path::PathBuf,
+};
+
+pub(super) struct Input<R> {
+    /// For messages.
+    pub path: PathBuf,
+    /// Bytes that the file still has, if its length was told rightly.
+    pub remaining: u64,
+    reader: R,
+}
+
+impl<R: BufRead> Input<R> {
+    pub(super) fn new(path: PathBuf, reader: R, length: u64) -> Self {
+        Self { path, remaining: length, reader }
+    }
+
+    /// The next line without its end, or `None` if the file ends first or the line is longer than
+    /// `longest`.
+    pub(super) fn line(&mut self, longest: usize) -> Result<Option<Vec<u8>>, LoadError> {
+        let mut line = Vec::new();
+        loop {
+            let Some(byte) = self.byte()? else { return Ok(None) };
+            match byte {
+                b'\n' => return Ok(Some(line)),
+                _ if line.len() >= longest => return Ok(None),
+                _ => line.push(byte),
+            }
+        }
+    }
+
+    /// Fills `bytes`, or says that the file ends first.
+    pub(super) fn bytes(&mut self, bytes: &mut [u8]) -> Result<bool, LoadError> {
+        match self.reader.read_exact(bytes) {
+            Ok(()) => {
+                self.remaining = self.remaining.saturating_sub(bytes.len() as u64);
+                Ok(true)
+            }
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+            Err(error) => Err(self.failed(error)),
+        }
+    }
+
+    /// The next word between white space into `word`, or says that the file ends first. No number
+    /// is longer than `word` may grow, so a longer word is cut.
+    pub(super) fn word(&mut self, word: &mut String) -> Result<bool, LoadError> {
+        const LONGEST: usize = 400;
+        word.clear();
+        loop {
+            match self.byte()? {
+                None => return Ok(!word.is_empty()),
+                Some(byte) if byte.is_ascii_whitespace() => {
+                    if !word.is_empty() {
+                        return Ok(true);
+                    }
+                }
+                Some(byte) if word.len() < LONGEST => word.push(char::from(byte)),
+                Some(_) => {}
+            }
+        }
+    }
+
+    fn byte(&mut self) -> Result<Option<u8>, LoadError> {
+        let byte = match self.reader.fill_buf() {
+            Ok(buffer) => buffer.first().copied(),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => return self.byte(),
+            Err(error) => return Err(self.failed(error)),
+        };
+        if byte.is_some() {
+            self.reader.consume(1);
+            self.remaining = self.remaining.saturating_sub(1);
+        }
+        Ok(byte)
+    }
+
+    fn failed(&self, source: io::Error) -> LoadError {
+        LoadError::Read { path: self.path.clone(), named_by: NamedBy::default(), source }
+    }
+}

@@ -1,0 +1,179 @@
+//! From the file's words to the scene's arrays: defaults, references, kinds.
+
+use super::{
+    collection::{Collection, Reference},
+    format::{MaterialFile, MaterialType, SceneFile},
+};
+use crate::{Camera, Environment, Instance, LoadError, Material, MaterialKind, Scene};
+use std::{collections::HashMap, path::Path};
+
+/// Everything but textures and shapes, whose files are yet to be read.
+pub(super) fn resolve(
+    path: &Path,
+    file: &SceneFile,
+    warnings: &mut Vec<String>,
+) -> Result<Scene, LoadError> {
+    let textures = Names::new(path, "textures", &file.textures, |texture| &texture.name);
+    let materials = Names::new(path, "materials", &file.materials, |material| &material.name);
+    let shapes = Names::new(path, "shapes", &file.shapes, |shape| &shape.name);
+    let mut scene = Scene::default();
+    for (key, camera) in &file.cameras.items {
+        let default = Camera::default();
+        scene.cameras.push(Camera {
+            name: key.clone().unwrap_or_else(|| camera.name.clone()),
+            world_from_camera: camera.lookat.map_or(camera.frame.0, |lookat| lookat.frame(-1.0)),
+            orthographic: camera.orthographic,
+            lens: camera.lens,
+            film: camera.film,
+            aspect: camera.aspect,
+            focus: camera
+                .focus
+                .or(camera.lookat.map(|lookat| lookat.distance()))
+                .unwrap_or(default.focus),
+            aperture: camera.aperture,
+        });
+    }
+    for (i, (key, environment)) in file.environments.items.iter().enumerate() {
+        scene.environments.push(Environment {
+            name: key.clone().unwrap_or_else(|| environment.name.clone()),
+            world_from_environment: environment.frame.0,
+            emission: environment.emission.into(),
+            emission_tex: textures.optional(
+                &|| format!("environments[{i}].emission_tex"),
+                environment.emission_tex.as_ref(),
+            )?,
+        });
+    }
+    for (i, (key, material)) in file.materials.items.iter().enumerate() {
+        let texture = |name: &str, reference: &Option<Reference>| {
+            textures.optional(&|| format!("materials[{i}].{name}"), reference.as_ref())
+        };
+        scene.materials.push(Material {
+            name: key.clone().unwrap_or_else(|| material.name.clone()),
+            kind: kind(path, i, material, warnings),
+            emission: material.emission.into(),
+            color: material.color.into(),
+            roughness: material.roughness,
+            ior: material.ior,
+            trdepth: material.trdepth,
+            opacity: material.opacity,
+            emission_tex: texture("emission_tex", &material.emission_tex)?,
+            color_tex: texture("color_tex", &material.color_tex)?,
+            roughness_tex: texture("roughness_tex", &material.roughness_tex)?,
+            normal_tex: texture("normal_tex", &material.normal_tex)?,
+        });
+    }
+    for (i, (key, instance)) in file.instances.items.iter().enumerate() {
+        scene.instances.push(Instance {
+            name: key.clone().unwrap_or_else(|| instance.name.clone()),
+            world_from_object: instance.lookat.map_or(instance.frame.0, |l| l.frame(1.0)),
+            shape: shapes.required(&|| format!("instances[{i}].shape"), instance.shape.as_ref())?,
+            material: materials
+                .required(&|| format!("instances[{i}].material"), instance.material.as_ref())?,
+        });
+    }
+    Ok(scene)
+}
+
+fn kind(
+    path: &Path,
+    i: usize,
+    material: &MaterialFile,
+    warnings: &mut Vec<String>,
+) -> MaterialKind {
+    let mut warn = |problem: &str| {
+        warnings.push(format!("{}: materials[{i}] {problem}", path.display()));
+    };
+    if material.scattering != [0.0; 3] {
+        warn("scatters inside, which is not supported: it only absorbs");
+    }
+    match material.kind {
+        MaterialType::Matte => MaterialKind::Matte,
+        MaterialType::Glossy => MaterialKind::Glossy,
+        MaterialType::Reflective => MaterialKind::Reflective,
+        MaterialType::Refractive => MaterialKind::Refractive,
+        MaterialType::Transparent | MaterialType::Volumetric | MaterialType::Subsurface => {
+            warn("is of a kind that is not supported: taken as refractive");
+            MaterialKind::Refractive
+        }
+        MaterialType::GltfPbr => {
+            warn("is of a kind that is not supported: taken as glossy");
+            MaterialKind::Glossy
+        }
+    }
+}
+
+/// The items of one array, for references into it.
+struct Names<'a> {
+    path: &'a Path,
+    what: &'static str,
+    count: usize,
+    by_name: HashMap<&'a str, u32>,
+}
+
+impl<'a> Names<'a> {
+    fn new<T>(
+        path: &'a Path,
+        what: &'static str,
+        collection: &'a Collection<T>,
+        name: impl Fn(&'a T) -> &'a String,
+    ) -> Self {
+        let mut by_name = HashMap::new();
+        for (i, (key, item)) in (0..).zip(&collection.items) {
+            // The first of two items with one name counts.
+            by_name.entry(key.as_ref().unwrap_or_else(|| name(item)).as_str()).or_insert(i);
+        }
+        Self { path, what, count: collection.items.len(), by_name }
+    }
+
+    fn required(
+        &self,
+        field: &dyn Fn() -> String,
+        reference: Option<&Reference>,
+    ) -> Result<u32, LoadError> {
+        match reference {
+            Some(reference) => self.find(field, reference),
+            None => Err(LoadError::Value {
+                path: self.path.to_owned(),
+                field: field(),
+                value: "missing".to_owned(),
+                expected: "an index or a name",
+            }),
+        }
+    }
+
+    /// yocto-gl writes -1 for "none".
+    fn optional(
+        &self,
+        field: &dyn Fn() -> String,
+        reference: Option<&Reference>,
+    ) -> Result<Option<u32>, LoadError> {
+        match reference {
+            None | Some(Reference::Index(-1)) => Ok(None),
+            Some(reference) => self.find(field, reference).map(Some),
+        }
+    }
+
+    fn find(&self, field: &dyn Fn() -> String, reference: &Reference) -> Result<u32, LoadError> {
+        match reference {
+            Reference::Index(index) => match u32::try_from(*index) {
+                Ok(found) if (found as usize) < self.count => Ok(found),
+                _ => Err(LoadError::IndexOutOfRange {
+                    path: self.path.to_owned(),
+                    field: field(),
+                    value: *index,
+                    what: self.what,
+                    count: self.count,
+                }),
+            },
+            Reference::Name(name) => {
+                self.by_name.get(name.as_str()).copied().ok_or_else(|| LoadError::UnknownName {
+                    path: self.path.to_owned(),
+                    field: field(),
+                    name: name.clone(),
+                    what: self.what,
+                })
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! One element of a shape as the primitive that its method makes of it.
+
+use crate::{Elements, Method, Shape};
+use glam::{Vec2, Vec3};
+use rotund_geometry::{
+    Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle,
+    vanilla::{Line, Point, Quad},
+};
+
+/// What a ray meets, in object space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Primitive {
+    Point(Point),
+    Sphere(Sphere),
+    Line(Line),
+    Cone(RoundedCone),
+    Triangle(Triangle),
+    Quad(Quad),
+    Patch(BilinearPatch),
+}
+
+/// Calls one method of whichever primitive it is: they all have the same.
+macro_rules! each {
+    ($self:expr, $primitive:ident => $call:expr) => {
+        match $self {
+            Primitive::Point($primitive) => $call,
+            Primitive::Sphere($primitive) => $call,
+            Primitive::Line($primitive) => $call,
+            Primitive::Cone($primitive) => $call,
+            Primitive::Triangle($primitive) => $call,
+            Primitive::Quad($primitive) => $call,
+            Primitive::Patch($primitive) => $call,
+        }
+    };
+}
+
+impl Primitive {
+    pub(crate) fn closest(&self, ray: &Ray) -> Option<Hit> {
+        each!(self, primitive => primitive.closest(ray))
+    }
+
+    pub(crate) fn uv(&self, hit: &Hit) -> Vec2 {
+        each!(self, primitive => primitive.uv(hit))
+    }
+
+    pub(crate) fn position(&self, uv: Vec2) -> Vec3 {
+        each!(self, primitive => primitive.position(uv))
+    }
+
+    pub(crate) fn normal(&self, uv: Vec2) -> Vec3 {
+        each!(self, primitive => primitive.normal(uv))
+    }
+}
+
+impl Shape {
+    /// The primitive that an element is under the shape's method.
+    pub(crate) fn primitive(&self, element: u32) -> Primitive {
+        let vanilla = self.method == Method::Vanilla;
+        match &self.elements {
+            Elements::Points(_) if vanilla => Primitive::Point(self.point(element)),
+            Elements::Points(_) => Primitive::Sphere(self.sphere(element)),
+            Elements::Lines(lines) => {
+                let vertices = lines[element as usize];
+                if vanilla {
+                    Primitive::Line(self.line(vertices))
+                } else {
+                    Primitive::Cone(self.cone(vertices))
+                }
+            }
+            Elements::Triangles(triangles) => {
+                Primitive::Triangle(self.triangle(triangles[element as usize]))
+            }
+            Elements::Quads(quads) => {
+                let vertices = quads[element as usize];
+                if vanilla {
+                    Primitive::Quad(self.quad(vertices))
+                } else {
+                    Primitive::Patch(self.patch(vertices))
+                }
+            }
+        }
+    }
+
+    /// Boxes of all elements that hold them under either method.
+    pub(crate) fn element_bounds(&self) -> Vec<Aabb> {
+        match &self.elements {
+            Elements::Points(count) => {
+                (0..*count).map(|i| self.sphere(i).bounds().union(self.point(i).bounds())).collect()
+            }
+            Elements::Lines(lines) => {
+                lines.iter().map(|&l| self.cone(l).bounds().union(self.line(l).bounds())).collect()
+            }
+            Elements::Triangles(triangles) => {
+                triangles.iter().map(|&vertices| self.triangle(vertices).bounds()).collect()
+            }
+            Elements::Quads(quads) => {
+                quads.iter().map(|&q| self.patch(q).bounds().union(self.quad(q).bounds())).collect()
+            }
+        }
+    }
+
+    #[inline]
+    pub(crate) fn point(&self, element: u32) -> Point {
+        let i = element as usize;
+        Point { center: self.positions[i], radius: self.radii[i] }
+    }
+
+    #[inline]
+    pub(crate) fn sphere(&self, element: u32) -> Sphere {
+        let i = element as usize;
+        Sphere { center: self.positions[i], radius: self.radii[i] }
+    }
+
+    #[inline]
+    pub(crate) fn line(&self, [a, b]: [u32; 2]) -> Line {
+        let (a, b) = (a as usize, b as usize);
+        Line { p0: self.positions[a], r0: self.radii[a], p1: self.positions[b], r1: self.radii[b] }
+    }
+
+    #[inline]
+    pub(crate) fn cone(&self, [a, b]: [u32; 2]) -> RoundedCone {
+        let (a, b) = (a as usize, b as usize);
+        RoundedCone {
+            p0: self.positions[a],
+            r0: self.radii[a],
+            p1: self.positions[b],
+            r1: self.radii[b],
+        }
+    }
+
+    #[inline]
+    pub(crate) fn triangle(&self, vertices: [u32; 3]) -> Triangle {
+        let [p0, p1, p2] = vertices.map(|vertex| self.positions[vertex as usize]);
+        Triangle { p0, p1, p2 }
+    }
+
+    #[inline]
+    pub(crate) fn quad(&self, vertices: [u32; 4]) -> Quad {
+        let [p0, p1, p2, p3] = vertices.map(|vertex| self.positions[vertex as usize]);
+        Quad { p0, p1, p2, p3 }
+    }
+
+    /// A file goes around a quad, a patch counts its corners row by row.
+    #[inline]
+    pub(crate) fn patch(&self, vertices: [u32; 4]) -> BilinearPatch {
+        let [p00, p10, p11, p01] = vertices.map(|vertex| self.positions[vertex as usize]);
+        BilinearPatch { p00, p10, p01, p11 }
+    }
+}

@@ -1,0 +1,180 @@
+//! Instances with frames of every kind.
+
+mod support;
+
+use rotund_geometry::{
+    Ray,
+    glam::{Affine3A, Vec3},
+    leave_surface,
+};
+use rotund_scene::{MaterialKind, Method, Scene, SceneHit, Trees};
+use support::{Random, frames, ray_at, scene_of, shapes};
+
+/// Of elements.
+const SIZE: f32 = 0.5;
+
+/// Each kind under each method with each frame: why, scene, trees.
+fn cases(count: u32) -> Vec<(String, Affine3A, Scene, Trees)> {
+    let mut random = Random(7);
+    let mut cases = Vec::new();
+    for (why, frame) in frames() {
+        for shape in shapes(&mut random, count, SIZE) {
+            let mut scene = scene_of(shape, frame, MaterialKind::Matte);
+            let trees = Trees::build(&scene);
+            for method in [Method::Vanilla, Method::Enhanced] {
+                // The same trees serve both.
+                scene.shapes[0].method = method;
+                let kind = scene.shapes[0].elements.kind();
+                let name = format!("{why}, {kind:?}, {method:?}");
+                cases.push((name, frame, scene.clone(), trees.clone()));
+            }
+        }
+    }
+    cases
+}
+
+fn is_ribbon(scene: &Scene) -> bool {
+    use rotund_scene::ElementKind::{Lines, Points};
+    let shape = &scene.shapes[0];
+    shape.method == Method::Vanilla && matches!(shape.elements.kind(), Points | Lines)
+}
+
+#[test]
+fn a_ray_that_leaves_a_lone_element_never_meets_it_again_if_it_is_convex() {
+    let mut random = Random(11);
+    let mut left = 0;
+    for (name, _, scene, trees) in cases(1) {
+        let patch = matches!(scene.shapes[0].elements.kind(), rotund_scene::ElementKind::Quads);
+        if patch {
+            // May be met again, for it may be hollow.
+            continue;
+        }
+        for _ in 0..400 {
+            let ray = ray_at(&mut random, &scene, SIZE);
+            let Some(hit) = trees.closest(&scene, &ray) else { continue };
+            for _ in 0..10 {
+                let direction = random.direction();
+                let outside = hit.normal.dot(direction) > 1e-3;
+                if !outside {
+                    continue;
+                }
+                let origin = leave_surface(hit.position, hit.error, hit.normal, direction);
+                let next = Ray::new(origin, direction);
+                let again = trees.closest(&scene, &next);
+                assert!(
+                    again.is_none(),
+                    "{name}: {ray:?} hits {hit:?}, left by {next:?} to {again:?}"
+                );
+                assert!(!trees.any(&scene, &next), "{name}: any disagrees with closest");
+                left += 1;
+            }
+        }
+    }
+    assert!(left > 30_000, "only {left} rays left a surface");
+}
+
+#[test]
+fn a_ray_that_enters_a_round_solid_leaves_it_at_the_far_side() {
+    let mut random = Random(13);
+    let mut crossed = 0;
+    for (name, _, scene, trees) in cases(1) {
+        let kind = scene.shapes[0].elements.kind();
+        use rotund_scene::ElementKind::{Lines, Points};
+        if scene.shapes[0].method == Method::Vanilla || !matches!(kind, Points | Lines) {
+            continue;
+        }
+        for _ in 0..400 {
+            let ray = ray_at(&mut random, &scene, SIZE);
+            let Some(hit) = trees.closest(&scene, &ray) else { continue };
+            assert!(hit.normal.dot(ray.direction) < 0.0, "{name}: enters from outside");
+            let steep = hit.normal.dot(ray.direction.normalize());
+            if steep > -0.05 {
+                continue;
+            }
+            let origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
+            let exit = trees.closest(&scene, &Ray::new(origin, ray.direction));
+            let exit = exit.unwrap_or_else(|| panic!("{name}: no way out after {hit:?}"));
+            assert!(exit.normal.dot(ray.direction) > 0.0, "{name}: {hit:?} then {exit:?}");
+            crossed += 1;
+        }
+    }
+    assert!(crossed > 2_000, "only {crossed} rays crossed a solid");
+}
+
+#[test]
+fn position_and_normal_rebuilt_from_uv_are_those_of_the_hit() {
+    let mut random = Random(17);
+    let mut compared = 0;
+    for (name, frame, scene, trees) in cases(20) {
+        for _ in 0..300 {
+            let ray = ray_at(&mut random, &scene, SIZE);
+            let Some(hit) = trees.closest(&scene, &ray) else { continue };
+            compared += 1;
+            let SceneHit { instance, element, uv, .. } = hit;
+            let position = scene.eval_position(instance, element, uv);
+            // `uv` is rounded to f32, and a step of it is a step of the size of the element.
+            let size = frame.matrix3.x_axis.length().max(frame.matrix3.y_axis.length());
+            let size = size.max(frame.matrix3.z_axis.length());
+            let bound = hit.error + 8.0 * f32::EPSILON * (size + hit.position.length());
+            let distance = position.distance(hit.position);
+            assert!(distance <= bound, "{name}: {distance} > {bound} apart: {hit:?}");
+            if !is_ribbon(&scene) {
+                let normal = scene.eval_normal(instance, element, uv);
+                let cosine = normal.dot(hit.normal);
+                assert!(cosine > 0.999, "{name}: normals {normal} and {}", hit.normal);
+            }
+        }
+    }
+    assert!(compared > 5_000, "only {compared} hits");
+}
+
+#[test]
+fn t_counts_in_the_direction_given_whatever_the_frame() {
+    let mut random = Random(19);
+    for (name, _, scene, trees) in cases(20) {
+        if is_ribbon(&scene) {
+            continue;
+        }
+        for _ in 0..100 {
+            let ray = ray_at(&mut random, &scene, SIZE);
+            let Some(hit) = trees.closest(&scene, &ray) else { continue };
+            let bound =
+                hit.error + 64.0 * f32::EPSILON * (ray.origin.length() + hit.position.length());
+            // Where the ray grazes, `t` is worse than the position.
+            let cosine = hit.normal.dot(ray.direction.normalize()).abs();
+            let distance = ray.at(hit.t).distance(hit.position);
+            assert!(distance * cosine.max(0.01) <= 4.0 * bound, "{name}: {distance}, {hit:?}");
+            let double = Ray { direction: 2.0 * ray.direction, ..ray };
+            let twice = trees.closest(&scene, &double).map(|hit| 2.0 * hit.t);
+            assert_eq!(twice, Some(hit.t), "{name}: a direction twice as long");
+        }
+    }
+}
+
+#[test]
+fn a_mirror_does_not_turn_normals_inwards() {
+    let mut random = Random(23);
+    let shape = shapes(&mut random, 1, 0.5).swap_remove(0);
+    let center = shape.positions[0];
+    for (why, frame) in frames() {
+        let scene = scene_of(shape.clone(), frame, MaterialKind::Matte);
+        let trees = Trees::build(&scene);
+        let origin = frame.transform_point3(center + Vec3::new(3.0, 2.0, 1.0));
+        let inside = frame.transform_point3(center);
+        let hit = trees.closest(&scene, &Ray::new(origin, inside - origin)).expect("aimed at it");
+        assert!(hit.normal.dot(hit.position - inside) > 0.0, "{why}: {hit:?}");
+        assert!((hit.normal.length() - 1.0).abs() < 1e-6, "{why}: unit length");
+    }
+}
+
+#[test]
+fn an_identity_frame_adds_no_error() {
+    let mut random = Random(29);
+    let shape = shapes(&mut random, 1, 0.5).swap_remove(0);
+    let ray = Ray::new(shape.positions[0] + 3.0 * Vec3::X, Vec3::NEG_X);
+    let alone = rotund_geometry::Sphere { center: shape.positions[0], radius: shape.radii[0] };
+    let error = alone.closest(&ray).expect("aimed at it").error;
+    let scene = scene_of(shape, Affine3A::IDENTITY, MaterialKind::Matte);
+    let hit = Trees::build(&scene).closest(&scene, &ray).expect("aimed at it");
+    assert_eq!(hit.error, error);
+}
