@@ -79,7 +79,7 @@ impl BilinearPatch {
         self.solve(ray).is_some()
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
         let space = RaySpace::new(ray);
         let [p00, p10, p01, p11] =

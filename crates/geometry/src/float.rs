@@ -53,7 +53,10 @@ pub(crate) fn rounding_error(p: Vec3) -> f32 {
 #[inline]
 pub(crate) fn accept(ray: &Ray, t: f64) -> Option<f32> {
     let t = t as f32;
-    (t >= ray.t_min && t <= ray.t_max && t.is_finite()).then_some(t)
+    // In this form, unlike `max` and `min`, a NaN end of the interval survives and rejects.
+    let first = if f32::MIN > ray.t_min { f32::MIN } else { ray.t_min };
+    let last = if f32::MAX < ray.t_max { f32::MAX } else { ray.t_max };
+    (t >= first && t <= last).then_some(t)
 }
 
 /// Rounds each coordinate to `f32`, once.

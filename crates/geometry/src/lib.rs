@@ -11,6 +11,7 @@ mod rounded_cone;
 mod sphere;
 mod triangle;
 pub mod vanilla;
+mod widen;
 
 pub use aabb::Aabb;
 pub use bilinear_patch::BilinearPatch;

@@ -41,7 +41,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::float::{accept, round, rounding_error};
 use crate::profile::Profile;
-use crate::{Aabb, Hit, Ray};
+use crate::sphere::CANCELLATION;
+use crate::{Aabb, Hit, Ray, widen};
 
 /// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,12 +57,12 @@ pub struct RoundedCone {
     pub r1: f32,
 }
 
-/// A crossing before it is rounded: its point relative to `p0`, and the ball it belongs to.
-#[derive(Clone, Copy)]
+/// A crossing before it is rounded: the ball it belongs to, and the point seen from its centre.
 struct Root {
     t: f32,
-    from_p0: DVec3,
     s: f64,
+    from_ball: DVec3,
+    normal: DVec3,
 }
 
 /// Entry or exit.
@@ -77,12 +78,13 @@ impl RoundedCone {
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let root = self.solve(ray)?;
-        let position = round(self.p0.as_dvec3() + root.from_p0);
+        let (p0, p1) = (self.p0.as_dvec3(), self.p1.as_dvec3());
+        let position = round(p0 + root.s * (p1 - p0) + root.from_ball);
         Some(Hit {
             t: root.t,
             position,
             error: rounding_error(position),
-            normal: round(self.normal_of(&root)),
+            normal: round(root.normal),
             parameters: Vec2::new(root.s as f32, 0.0),
         })
     }
@@ -101,41 +103,100 @@ impl RoundedCone {
         self.solve(ray).is_some()
     }
 
-    #[inline]
+    /// The entry, for the common case; the rest is left to [`Self::solve_carefully`].
+    #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
-        let p0 = self.p0.as_dvec3();
-        let e = self.p1.as_dvec3() - p0;
-        let f = ray.origin.as_dvec3() - p0;
-        let d = ray.direction.as_dvec3();
-        let (r0, r1) = (f64::from(self.r0), f64::from(self.r1));
+        let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
+        let (o, d) = widen::ray(ray);
+        let (e, f) = (p1 - p0, o - p0);
         let rho = r0 - r1;
         let d2 = e.dot(e) - rho * rho;
-        if d2 <= 0.0 {
-            return self.solve_larger_ball(ray, f, e, d);
-        }
         let w = f.cross(d);
         let g = d.cross(e);
         let moment = r0 * g + rho * w;
         let volume = f.dot(g);
-        let big_d = moment.dot(moment) - volume * volume;
+        let discriminant = moment.dot(moment) - volume * volume;
         // Written so that a NaN fails.
-        if !(big_d >= 0.0 && r0 >= 0.0 && r1 >= 0.0 && r0 + r1 > 0.0) {
+        if !(discriminant >= 0.0 && d2 > 0.0) {
+            return if d2 <= 0.0 { self.solve_larger_ball(ray) } else { None };
+        }
+        let (a, b, m) = (d.dot(d), f.dot(d), d.dot(e));
+        let width = a * d2;
+        let inverse = width.recip();
+        let over_a = inverse * d2;
+        let (gg, ww, rho_a) = (g.dot(g), w.dot(w), rho * a);
+        let k2 = gg - rho * rho_a;
+        let chord0 = r0 * r0 * a - ww;
+        let y0 = -w.dot(g) - r0 * rho_a;
+        let k1 = -m * y0;
+        // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
+        let q = -k1 - (a * (d2 * discriminant).sqrt()).copysign(k1);
+        let (over, under) =
+            if k1.is_sign_positive() { (q, k2) } else { (-(width * chord0) - y0 * y0, q) };
+        let theta = over / under;
+        let y = y0 + m * theta;
+        // A cone steeper than the line, or a radius that is no radius, is no common case.
+        if !(k2 > 0.0 && r0.min(r1) > 0.0) {
+            return self.solve_carefully(ray);
+        }
+        let (t64, from_ball, s, radius);
+        if y >= 0.0 && y <= width {
+            t64 = (theta - b) * over_a;
+            s = y * inverse;
+            from_ball = (f + t64 * d) - s * e;
+            radius = r0 - s * rho;
+        } else {
+            // The cap on the side of the entry.
+            let (center, along, chord);
+            if y < 0.0 {
+                (center, along, chord, s, radius) = (f, b, chord0, 0.0, r0);
+            } else {
+                let w1 = w + g;
+                (center, along, chord, s, radius) =
+                    (f - e, b - m, r1 * r1 * a - w1.dot(w1), 1.0, r1);
+            }
+            if chord < 0.0 {
+                return None;
+            }
+            let root = chord.sqrt();
+            let (near, far) = (-along - root, -along + root);
+            if (near * far).abs() < CANCELLATION * chord {
+                return self.solve_carefully(ray);
+            }
+            t64 = near * over_a;
+            from_ball = center + t64 * d;
+        }
+        match accept(ray, t64) {
+            Some(t) => Some(Root { t, from_ball, s, normal: from_ball * radius.recip() }),
+            None if t64 as f32 > ray.t_max => None,
+            None => self.solve_carefully(ray),
+        }
+    }
+
+    /// Entry and exit in every case, given that `d2` is positive.
+    #[cold]
+    #[inline(never)]
+    fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
+        let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
+        let (o, d) = widen::ray(ray);
+        let (e, f) = (p1 - p0, o - p0);
+        let rho = r0 - r1;
+        let (w, g) = (f.cross(d), d.cross(e));
+        let (moment, volume) = (r0 * g + rho * w, f.dot(g));
+        let discriminant = moment.dot(moment) - volume * volume;
+        let d2 = e.dot(e) - rho * rho;
+        // Written so that a NaN fails.
+        if !(discriminant >= 0.0 && r0.min(r1) >= 0.0 && r0 + r1 > 0.0) {
             return None;
         }
-        let a = d.dot(d);
-        let m = d.dot(e);
-        let b = f.dot(d);
+        let (a, b, m) = (d.dot(d), f.dot(d), d.dot(e));
         let k2 = g.dot(g) - rho * rho * a;
         let y0 = -w.dot(g) - r0 * rho * a;
         let k1 = -m * y0;
         let k0 = a * d2 * (w.dot(w) - r0 * r0 * a) - y0 * y0;
-        // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
-        let q = -k1 - (a * (d2 * big_d).sqrt()).copysign(k1);
-        let steep = k2 < 0.0;
-
-        let at = |end: End| -> Option<Option<Root>> {
-            // `q / k2` is the entry if `k1` is positive, else the exit.
-            let theta = if steep && ((end == End::Entry) == (m * rho >= 0.0)) {
+        let q = -k1 - (a * (d2 * discriminant).sqrt()).copysign(k1);
+        for end in [End::Entry, End::Exit] {
+            let theta = if k2 < 0.0 && (end == End::Entry) == (m * rho >= 0.0) {
                 if end == End::Entry { f64::NEG_INFINITY } else { f64::INFINITY }
             } else if (end == End::Entry) == k1.is_sign_positive() {
                 q / k2
@@ -143,56 +204,54 @@ impl RoundedCone {
                 k0 / q
             };
             let y = y0 + m * theta;
-            if y < 0.0 {
-                let t = ball(f, a, b, w, r0, end)?;
-                Some(accept(ray, t).map(|rounded| Root { t: rounded, from_p0: f + t * d, s: 0.0 }))
-            } else if y <= d2 * a {
-                let t = (theta - b) / a;
-                let s = y / (d2 * a);
-                Some(accept(ray, t).map(|rounded| Root { t: rounded, from_p0: f + t * d, s }))
-            } else if y > d2 * a {
-                let t = ball(f - e, a, b - m, w + g, r1, end)?;
-                Some(accept(ray, t).map(|rounded| Root { t: rounded, from_p0: f + t * d, s: 1.0 }))
+            let (t64, s) = if y >= 0.0 && y <= d2 * a {
+                ((theta - b) / a, y / (d2 * a))
+            } else if y < 0.0 {
+                (ball(f, a, b, w, r0, end)?, 0.0)
+            } else if y > 0.0 {
+                (ball(f - e, a, b - m, w + g, r1, end)?, 1.0)
             } else {
-                None
+                return None;
+            };
+            if let Some(t) = accept(ray, t64) {
+                return Some(self.root(t, f + t64 * d, s));
             }
-        };
-        match at(End::Entry)? {
-            Some(root) => Some(root),
-            None => at(End::Exit)?,
         }
+        None
     }
 
     /// One ball holds the other.
     #[cold]
-    fn solve_larger_ball(&self, ray: &Ray, f: DVec3, e: DVec3, d: DVec3) -> Option<Root> {
+    #[inline(never)]
+    fn solve_larger_ball(&self, ray: &Ray) -> Option<Root> {
         let (r, s) = if self.r0 >= self.r1 { (self.r0, 0.0) } else { (self.r1, 1.0) };
+        let (f, d) = (ray.origin.as_dvec3() - self.p0.as_dvec3(), ray.direction.as_dvec3());
+        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
         if !(r > 0.0 && self.r0.min(self.r1) >= 0.0 && e.is_finite()) {
             return None;
         }
         let x = f - s * e;
-        let [a, b] = [d.dot(d), x.dot(d)];
         let w = x.cross(d);
         [End::Entry, End::Exit].into_iter().find_map(|end| {
-            let t = ball(x, a, b, w, f64::from(r), end)?;
-            Some(Root { t: accept(ray, t)?, from_p0: f + t * d, s })
+            let t64 = ball(x, d.dot(d), x.dot(d), w, f64::from(r), end)?;
+            Some(self.root(accept(ray, t64)?, f + t64 * d, s))
         })
     }
 
-    /// The normal at a root: away from the centre of its ball.
-    #[inline]
-    fn normal_of(&self, root: &Root) -> DVec3 {
+    /// A root at `x`, seen from `p0`, on the ball `s`.
+    fn root(&self, t: f32, x: DVec3, s: f64) -> Root {
         let e = self.p1.as_dvec3() - self.p0.as_dvec3();
-        let radius = f64::from(self.r0) + root.s * (f64::from(self.r1) - f64::from(self.r0));
-        let n = (root.from_p0 - root.s * e) / radius;
-        let square = n.dot(n);
-        if square > 0.99 && square < 1.01 {
-            return n;
-        }
+        let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
+        let from_ball = x - s * e;
+        let normal = from_ball / radius;
+        let square = normal.dot(normal);
         // At a tip of radius zero there are many normals; the axis is one of them.
-        (n / square.sqrt())
-            .try_normalize()
-            .unwrap_or_else(|| (if root.s < 0.5 { -e } else { e }).normalize())
+        let normal = if square > 0.99 && square < 1.01 {
+            normal
+        } else {
+            from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y))
+        };
+        Root { t, from_ball, s, normal }
     }
 
     /// A box that holds the shape, and every position that [`Self::closest`] reports.

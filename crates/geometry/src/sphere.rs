@@ -20,7 +20,7 @@ use core::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::float::{accept, round, rounding_error};
-use crate::{Aabb, Hit, Ray};
+use crate::{Aabb, Hit, Ray, widen};
 
 /// The points at distance `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,20 +35,24 @@ pub struct Sphere {
 struct Root {
     t: f32,
     from_center: DVec3,
+    normal: DVec3,
 }
+
+/// A root smaller than this share of the half chord has lost so many digits that `f32` could notice.
+pub(crate) const CANCELLATION: f64 = 1.0 / 4096.0;
 
 impl Sphere {
     /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
     #[must_use]
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let Root { t, from_center } = self.solve(ray)?;
+        let Root { t, from_center, normal } = self.solve(ray)?;
         let position = round(self.center.as_dvec3() + from_center);
         Some(Hit {
             t,
             position,
             error: rounding_error(position),
-            normal: round(from_center / f64::from(self.radius)),
+            normal: round(normal),
             parameters: Vec2::ZERO,
         })
     }
@@ -67,11 +71,11 @@ impl Sphere {
         self.solve(ray).is_some()
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
-        let f = ray.origin.as_dvec3() - self.center.as_dvec3();
-        let d = ray.direction.as_dvec3();
-        let r = f64::from(self.radius);
+        let (c, r) = widen::ball(self.center, self.radius);
+        let (o, d) = widen::ray(ray);
+        let f = o - c;
         let w = f.cross(d);
         let a = d.dot(d);
         let discriminant = a * (r * r) - w.dot(w);
@@ -79,15 +83,46 @@ impl Sphere {
         if !(discriminant >= 0.0 && r > 0.0) {
             return None;
         }
+        // Two reciprocals for one division, which runs beside the square root.
+        let inverse = (a * r).recip();
+        let (over_a, over_r) = (inverse * r, inverse * a);
         let b = f.dot(d);
-        let g = f.dot(f) - r * r;
-        // Both terms have the sign of -b, so their sum does not cancel; the other root comes from the
-        // product of the roots, g / a.
-        let q = -b - discriminant.sqrt().copysign(b);
-        let (near, far) = if q < 0.0 { (q / a, g / q) } else { (g / q, q / a) };
-        accept(ray, near)
-            .map(|t| Root { t, from_center: f + near * d })
-            .or_else(|| accept(ray, far).map(|t| Root { t, from_center: f + far * d }))
+        let root = discriminant.sqrt();
+        // The ends of the part of the line that lies in the ball.
+        let (near, far) = (-b - root, -b + root);
+        if (near * far).abs() < CANCELLATION * discriminant {
+            return self.solve_next_to_surface(ray);
+        }
+        let mut t64 = near * over_a;
+        let t = match accept(ray, t64) {
+            Some(t) => t,
+            None => {
+                t64 = far * over_a;
+                accept(ray, t64)?
+            }
+        };
+        let from_center = f + t64 * d;
+        Some(Root { t, from_center, normal: from_center * over_r })
+    }
+
+    /// [`Self::solve`] for a line that meets the ball, one of whose roots is near zero.
+    ///
+    /// Both terms of `q` have the sign of `-b`, so their sum does not cancel; the other root comes from
+    /// the product of the roots, `g / a`.
+    #[cold]
+    #[inline(never)]
+    fn solve_next_to_surface(&self, ray: &Ray) -> Option<Root> {
+        let f = ray.origin.as_dvec3() - self.center.as_dvec3();
+        let d = ray.direction.as_dvec3();
+        let r = f64::from(self.radius);
+        let w = f.cross(d);
+        let (a, b, g) = (d.dot(d), f.dot(d), f.dot(f) - r * r);
+        let q = -b - (a * (r * r) - w.dot(w)).sqrt().copysign(b);
+        let roots = if q < 0.0 { [q / a, g / q] } else { [g / q, q / a] };
+        roots.into_iter().find_map(|t64| {
+            let from_center = f + t64 * d;
+            accept(ray, t64).map(|t| Root { t, from_center, normal: from_center / r })
+        })
     }
 
     /// A box that holds the sphere, and every position that [`Self::closest`] reports.

@@ -53,7 +53,7 @@ impl Triangle {
         self.solve(ray).is_some()
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
         let space = RaySpace::new(ray);
         let [p0, p1, p2] = [self.p0, self.p1, self.p2].map(|p| space.project(p));

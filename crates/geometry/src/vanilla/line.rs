@@ -63,7 +63,7 @@ impl Line {
         self.solve(ray).is_some()
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
         let e = self.p1.as_dvec3() - self.p0.as_dvec3();
         let d = ray.direction.as_dvec3();
