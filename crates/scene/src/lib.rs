@@ -4,6 +4,7 @@ mod camera;
 mod environment;
 mod eval;
 mod frame;
+mod generate;
 mod intersect;
 mod load;
 mod material;

@@ -1,7 +1,7 @@
 //! The scene file as it is written: a mirror for serde, with every default of the format.
 
 use super::collection::{Collection, Reference};
-use crate::Method;
+use crate::{Method, generate};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use serde::{Deserialize, Deserializer};
 
@@ -85,6 +85,7 @@ pub(super) struct EnvironmentFile {
 pub(super) struct TextureFile {
     pub name: String,
     pub uri: Option<String>,
+    pub generator: Option<generate::Image>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -153,6 +154,7 @@ impl Default for MaterialFile {
 pub(super) struct ShapeFile {
     pub name: String,
     pub uri: Option<String>,
+    pub generator: Option<generate::Geometry>,
     pub method: Option<MethodFile>,
 }
 

@@ -1,0 +1,63 @@
+//! Surfaces made of grids of quads.
+
+use crate::{Elements, Method, Shape};
+use glam::{Vec2, Vec3};
+
+/// A vertex of a surface.
+pub(super) struct Vertex {
+    pub position: Vec3,
+    pub normal: Vec3,
+    /// `v` runs down the image.
+    pub texcoord: Vec2,
+}
+
+/// Which way round the quads go, seen from where `u` runs right and `v` up.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Winding {
+    CounterClockwise,
+    Clockwise,
+}
+
+/// A shape without elements, for grids to be added to.
+pub(super) fn surface() -> Shape {
+    Shape {
+        name: String::new(),
+        method: Method::default(),
+        elements: Elements::Quads(Vec::new()),
+        positions: Vec::new(),
+        normals: Vec::new(),
+        texcoords: Vec::new(),
+        colors: Vec::new(),
+        radii: Vec::new(),
+    }
+}
+
+/// Adds `columns` by `rows` quads over the unit square: row by row from `v = 0` up.
+pub(super) fn add_grid(
+    shape: &mut Shape,
+    [columns, rows]: [u32; 2],
+    winding: Winding,
+    vertex: impl Fn(Vec2) -> Vertex,
+) {
+    let first = shape.positions.len() as u32;
+    for j in 0..=rows {
+        for i in 0..=columns {
+            let uv = Vec2::new(i as f32 / columns as f32, j as f32 / rows as f32);
+            let Vertex { position, normal, texcoord } = vertex(uv);
+            shape.positions.push(position);
+            shape.normals.push(normal);
+            shape.texcoords.push(texcoord);
+        }
+    }
+    let Elements::Quads(quads) = &mut shape.elements else { return };
+    for j in 0..rows {
+        for i in 0..columns {
+            let a = first + j * (columns + 1) + i;
+            let [b, c, d] = [a + 1, a + columns + 2, a + columns + 1];
+            quads.push(match winding {
+                Winding::CounterClockwise => [a, b, c, d],
+                Winding::Clockwise => [a, d, c, b],
+            });
+        }
+    }
+}

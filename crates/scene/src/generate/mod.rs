@@ -1,0 +1,106 @@
+//! Shapes and textures that a scene describes by parameters instead of a file.
+//!
+//! In a scene file, `"generator": { "disk": { "steps": 32, "radius": 0.075 } }` stands in the place of
+//! `"uri"`. The layout of vertices and texture coordinates is that of the shapes that yocto-gl's own test
+//! scenes come with, so that those scenes can be told without their files.
+
+mod grid;
+mod hair;
+mod image;
+mod lines;
+mod noise;
+mod solids;
+
+pub(crate) use hair::Hair;
+pub(crate) use image::{Bumps, FloorGrid, Sky, UvGrid};
+pub(crate) use lines::{LinesGrid, PointsGrid};
+pub(crate) use solids::{Cube, Disk, QuadSphere, Rectangle, UvCylinder, UvSphere};
+
+use crate::{Shape, Texture};
+use serde::Deserialize;
+
+/// A shape, centred on the origin.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Geometry {
+    Rectangle(Rectangle),
+    Disk(Disk),
+    Cube(Cube),
+    QuadSphere(QuadSphere),
+    UvSphere(UvSphere),
+    UvCylinder(UvCylinder),
+    PointsGrid(PointsGrid),
+    LinesGrid(LinesGrid),
+    Hair(Hair),
+}
+
+/// A texture.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Image {
+    UvGrid(UvGrid),
+    FloorGrid(FloorGrid),
+    Bumps(Bumps),
+    Sky(Sky),
+}
+
+/// A parameter that nothing can be made of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Unfit {
+    pub parameter: &'static str,
+    pub value: String,
+    pub expected: &'static str,
+}
+
+impl Geometry {
+    pub(crate) fn build(&self) -> Result<Shape, Unfit> {
+        match self {
+            Self::Rectangle(rectangle) => rectangle.build(),
+            Self::Disk(disk) => disk.build(),
+            Self::Cube(cube) => cube.build(),
+            Self::QuadSphere(sphere) => sphere.build(),
+            Self::UvSphere(sphere) => sphere.build(),
+            Self::UvCylinder(cylinder) => cylinder.build(),
+            Self::PointsGrid(points) => points.build(),
+            Self::LinesGrid(lines) => lines.build(),
+            Self::Hair(hair) => hair.build(),
+        }
+    }
+}
+
+impl Image {
+    pub(crate) fn build(&self) -> Result<Texture, Unfit> {
+        match self {
+            Self::UvGrid(grid) => grid.build(),
+            Self::FloorGrid(grid) => grid.build(),
+            Self::Bumps(bumps) => bumps.build(),
+            Self::Sky(sky) => sky.build(),
+        }
+    }
+}
+
+/// A length that has to be there.
+fn positive(parameter: &'static str, value: f32) -> Result<f32, Unfit> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(Unfit { parameter, value: value.to_string(), expected: "a positive number" })
+}
+
+/// A number of steps or things: at least one, and not so many that memory runs out.
+fn count(parameter: &'static str, value: u32, limit: u32) -> Result<u32, Unfit> {
+    if (1..=limit).contains(&value) {
+        return Ok(value);
+    }
+    let expected = match limit {
+        STEPS => "between 1 and 4096",
+        _ => "between 1 and 16777216",
+    };
+    Err(Unfit { parameter, value: value.to_string(), expected })
+}
+
+/// The most steps along a side: 4096 x 4096 vertices are enough for anybody's grid.
+const STEPS: u32 = 4096;
+
+/// The most strands of hair.
+const STRANDS: u32 = 1 << 24;

@@ -1,0 +1,140 @@
+//! Textures and shapes of a scene: from their files, or from generators.
+
+use super::{
+    LoadOptions,
+    error::NamedBy,
+    file,
+    format::SceneFile,
+    image,
+    mesh::{self, Mesh},
+    ply,
+};
+use crate::{LoadError, Shape, Texture, generate::Unfit};
+use rayon::prelude::*;
+use std::{io::BufReader, path::Path};
+
+/// Where something comes from, by `uri` or `generator`.
+struct Source<'a, G> {
+    scene: &'a Path,
+    /// As in `textures[2]`.
+    field: String,
+    uri: Option<&'a String>,
+    generator: Option<&'a G>,
+    allow_outside: bool,
+}
+
+impl<G> Source<'_, G> {
+    /// Reads or builds it, whichever the scene says.
+    fn get<T>(
+        &self,
+        read: impl Fn(&Path, &NamedBy) -> Result<T, LoadError>,
+        build: impl Fn(&G) -> Result<T, Unfit>,
+    ) -> Result<T, LoadError> {
+        match (self.uri, self.generator) {
+            (Some(uri), None) => {
+                let field = format!("{}.uri", self.field);
+                let path = file::resolve(self.scene, &field, uri, self.allow_outside)?;
+                read(&path, &NamedBy(Some((self.scene.to_owned(), field))))
+            }
+            (None, Some(generator)) => build(generator).map_err(|unfit| LoadError::Value {
+                path: self.scene.to_owned(),
+                field: format!("{}.generator.{}", self.field, unfit.parameter),
+                value: unfit.value,
+                expected: unfit.expected,
+            }),
+            (uri, _) => Err(LoadError::Value {
+                path: self.scene.to_owned(),
+                field: format!("{}.uri", self.field),
+                value: if uri.is_some() { "beside a generator" } else { "missing" }.to_owned(),
+                expected: "either the name of a file or a generator",
+            }),
+        }
+    }
+}
+
+/// All textures, in order.
+pub(super) fn textures(
+    scene: &Path,
+    file: &SceneFile,
+    options: &LoadOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Texture>, LoadError> {
+    let load = |(i, (key, texture)): (usize, &(Option<String>, super::format::TextureFile))| {
+        let source = Source {
+            scene,
+            field: format!("textures[{i}]"),
+            uri: texture.uri.as_ref(),
+            generator: texture.generator.as_ref(),
+            allow_outside: options.allow_outside_folder,
+        };
+        let mut loaded = source.get(image::load, |generator| generator.build())?;
+        loaded.name = key.clone().unwrap_or_else(|| texture.name.clone());
+        Ok(loaded)
+    };
+    let loaded: Vec<_> = file.textures.items.par_iter().enumerate().map(load).collect();
+    let mut textures = Vec::new();
+    for result in loaded {
+        match result {
+            Err(error) if options.keep_going => {
+                warnings.push(format!("left out, white instead: {error}"));
+                textures.push(Texture::white());
+            }
+            result => textures.push(result?),
+        }
+    }
+    Ok(textures)
+}
+
+/// All shapes, in order.
+pub(super) fn shapes(
+    scene: &Path,
+    file: &SceneFile,
+    options: &LoadOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Shape>, LoadError> {
+    let load = |(i, (key, shape)): (usize, &(Option<String>, super::format::ShapeFile))| {
+        let source = Source {
+            scene,
+            field: format!("shapes[{i}]"),
+            uri: shape.uri.as_ref(),
+            generator: shape.generator.as_ref(),
+            allow_outside: options.allow_outside_folder,
+        };
+        let (mut loaded, warnings) = source.get(
+            |path, named_by| {
+                let mut warnings = Vec::new();
+                let mesh = read_mesh(path, named_by)?;
+                Ok((mesh.into_shape(path, mesh::DEFAULT_RADIUS, &mut warnings)?, warnings))
+            },
+            |generator| Ok((generator.build()?, Vec::new())),
+        )?;
+        loaded.name = key.clone().unwrap_or_else(|| shape.name.clone());
+        if let Some(method) = shape.method.or(file.method) {
+            loaded.method = method.into();
+        }
+        Ok((loaded, warnings))
+    };
+    let loaded: Vec<_> = file.shapes.items.par_iter().enumerate().map(load).collect();
+    let mut shapes = Vec::new();
+    for result in loaded {
+        let (shape, its_warnings) = result?;
+        shapes.push(shape);
+        warnings.extend(its_warnings);
+    }
+    Ok(shapes)
+}
+
+fn read_mesh(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
+    match file::extension(path).as_str() {
+        "ply" => {
+            let (file, length) = file::open(path, named_by)?;
+            ply::read(path, BufReader::with_capacity(1 << 16, file), length)
+        }
+        other => Err(LoadError::Unsupported {
+            path: path.to_owned(),
+            named_by: named_by.clone(),
+            extension: other.to_owned(),
+            supported: "ply",
+        }),
+    }
+}
