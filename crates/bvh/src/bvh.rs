@@ -1,9 +1,10 @@
 //! The tree over plain boxes.
 
 use crate::build::build;
+use crate::isa::Isa;
 use crate::node::{Child, Tree};
 use crate::sah::Costs;
-use crate::simd::Portable;
+use crate::simd::{Simd, Task};
 use crate::slab::SlabRay;
 use crate::traverse;
 use rotund_geometry::{Aabb, Ray};
@@ -61,6 +62,7 @@ use rotund_geometry::{Aabb, Ray};
 #[derive(Clone, Debug)]
 pub struct Bvh {
     tree: Tree,
+    isa: Isa,
 }
 
 impl Bvh {
@@ -87,7 +89,7 @@ impl Bvh {
         for node in &mut tree.nodes {
             node.children = node.children.map(id);
         }
-        Self { tree }
+        Self { tree, isa: Isa::default_set() }
     }
 
     /// The union of all boxes that are not empty; [`Aabb::EMPTY`] if there is none.
@@ -112,34 +114,10 @@ impl Bvh {
         mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
     ) -> Option<(u32, f32, T)> {
         let slab_ray = SlabRay::new(ray)?;
-        let mut best: Option<(u32, f32, T)> = None;
-        let mut shrinking = *ray;
-        traverse::closest(
-            Portable,
-            &self.tree,
-            &slab_ray,
-            slab_ray.limit(ray.t_max),
-            |id, limit| {
-                let id = id as u32;
-                let Some((t, value)) = test(id, &shrinking) else {
-                    return limit;
-                };
-                let wins = match &best {
-                    None => t >= ray.t_min && t <= ray.t_max,
-                    // A tie goes to the lower id, so that the order of the walk does not show.
-                    Some((best_id, best_t, _)) => {
-                        t >= ray.t_min && (t < *best_t || (t == *best_t && id < *best_id))
-                    }
-                };
-                if !wins {
-                    return limit;
-                }
-                best = Some((id, t, value));
-                shrinking.t_max = t;
-                slab_ray.limit(t)
-            },
-        );
-        best
+        let mut visitor =
+            FindClosest { slab_ray: &slab_ray, ray, shrinking: *ray, best: None, test: &mut test };
+        self.isa.run(WalkClosest { tree: &self.tree, visitor: &mut visitor });
+        visitor.best
     }
 
     /// True if `test` is true for any primitive whose box the ray meets.
@@ -148,7 +126,94 @@ impl Bvh {
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
         let Some(slab_ray) = SlabRay::new(ray) else { return false };
-        let limit = slab_ray.limit(ray.t_max);
-        traverse::any(Portable, &self.tree, &slab_ray, limit, |id| test(id as u32, ray))
+        let visitor = FindAny { ray, test: &mut test };
+        self.isa.run(WalkAny { tree: &self.tree, slab_ray: &slab_ray, visitor })
+    }
+
+    /// The instruction set that this tree is walked with.
+    #[must_use]
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// The same tree, walked with another instruction set. The answers are the same.
+    #[must_use]
+    pub fn with_isa(self, isa: Isa) -> Self {
+        Self { isa, ..self }
+    }
+}
+
+struct FindClosest<'a, T, F> {
+    slab_ray: &'a SlabRay,
+    ray: &'a Ray,
+    shrinking: Ray,
+    best: Option<(u32, f32, T)>,
+    test: &'a mut F,
+}
+
+impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest for FindClosest<'_, T, F> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, _: S, index: usize, limit: f32) -> f32 {
+        let id = index as u32;
+        let Some((t, value)) = (self.test)(id, &self.shrinking) else {
+            return limit;
+        };
+        let wins = match &self.best {
+            None => t >= self.ray.t_min && t <= self.ray.t_max,
+            // A tie goes to the lower id, so that the order of the walk does not show.
+            Some((best_id, best_t, _)) => {
+                t >= self.ray.t_min && (t < *best_t || (t == *best_t && id < *best_id))
+            }
+        };
+        if !wins {
+            return limit;
+        }
+        self.best = Some((id, t, value));
+        self.shrinking.t_max = t;
+        self.slab_ray.limit(t)
+    }
+}
+
+struct WalkClosest<'a, 'b, T, F> {
+    tree: &'a Tree,
+    visitor: &'a mut FindClosest<'b, T, F>,
+}
+
+impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> Task for WalkClosest<'_, '_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let ray = self.visitor.slab_ray;
+        let limit = ray.limit(self.visitor.ray.t_max);
+        traverse::closest(simd, self.tree, ray, limit, self.visitor);
+    }
+}
+
+struct FindAny<'a, F> {
+    ray: &'a Ray,
+    test: &'a mut F,
+}
+
+impl<F: FnMut(u32, &Ray) -> bool> traverse::Any for FindAny<'_, F> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, _: S, index: usize) -> bool {
+        (self.test)(index as u32, self.ray)
+    }
+}
+
+struct WalkAny<'a, F> {
+    tree: &'a Tree,
+    slab_ray: &'a SlabRay,
+    visitor: FindAny<'a, F>,
+}
+
+impl<F: FnMut(u32, &Ray) -> bool> Task for WalkAny<'_, F> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) -> bool {
+        let limit = self.slab_ray.limit(self.visitor.ray.t_max);
+        traverse::any(simd, self.tree, self.slab_ray, limit, &mut self.visitor)
     }
 }

@@ -12,10 +12,13 @@
 
 mod build;
 mod bvh;
+mod isa;
 mod node;
 mod sah;
 mod simd;
 mod slab;
+mod stack;
 mod traverse;
 
 pub use bvh::Bvh;
+pub use isa::{Isa, UnknownIsa};

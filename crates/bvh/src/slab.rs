@@ -25,8 +25,8 @@ use rotund_geometry::Ray;
 const SLACK: f32 = 8.0 * rotund_geometry::UNIT_ROUNDOFF;
 
 /// How much farther than `t` the line is followed once there is a hit at `t`: the hit's own `t` is
-/// rounded too. Twice the slack of the ends.
-const LIMIT_SLACK: f32 = 2.0 * SLACK;
+/// rounded too, and the walk keeps entries with their lowest three bits cut off.
+const LIMIT_SLACK: f32 = 4.0 * SLACK;
 
 /// A ray made ready for slab tests.
 ///

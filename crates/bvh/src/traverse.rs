@@ -1,111 +1,120 @@
 //! Walks through a tree along a ray.
+#![expect(unsafe_code, reason = "the stack takes what `Simd::order` writes on trust")]
 
-use crate::build::MAX_DEPTH;
-use crate::node::{Child, Tree, WIDTH};
-use crate::simd::Simd;
+use crate::node::{Child, Node, Tree, WIDTH};
+use crate::simd::{Entry, Simd};
 use crate::slab::SlabRay;
+use crate::stack::Stack;
 
-/// Nodes that wait, with the parameter at which the ray enters them.
-///
-/// Each of at most [`MAX_DEPTH`] nodes on the path down leaves at most `WIDTH - 1` siblings.
-struct Stack {
-    entries: [(f32, Child); MAX_DEPTH * (WIDTH - 1) + 1],
-    len: usize,
+/// Looks into leaves for the closest hit.
+pub(crate) trait Closest {
+    /// Tests the leaf, and returns the limit from now on. Implementations are `#[inline(always)]`.
+    fn leaf<S: Simd>(&mut self, simd: S, index: usize, limit: f32) -> f32;
 }
 
-impl Stack {
-    fn new() -> Self {
-        Self { entries: [(0.0, Child::NONE); MAX_DEPTH * (WIDTH - 1) + 1], len: 0 }
-    }
-
-    #[inline(always)]
-    fn push(&mut self, entry: (f32, Child)) {
-        self.entries[self.len] = entry;
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<(f32, Child)> {
-        self.len = self.len.checked_sub(1)?;
-        Some(self.entries[self.len])
-    }
+/// Looks into leaves for any hit.
+pub(crate) trait Any {
+    /// Tests the leaf. Implementations are `#[inline(always)]`.
+    fn leaf<S: Simd>(&mut self, simd: S, index: usize) -> bool;
 }
 
-/// Calls `leaf` with the index of each leaf that the ray meets before `limit`, about nearest first.
-/// `leaf` returns the new limit.
+/// Shows `visitor` each leaf that the ray meets before the limit, about nearest first.
 #[inline(always)]
 pub(crate) fn closest<S: Simd>(
     simd: S,
     tree: &Tree,
     ray: &SlabRay,
     mut limit: f32,
-    mut leaf: impl FnMut(usize, f32) -> f32,
+    visitor: &mut impl Closest,
 ) {
     if tree.root == Child::NONE {
         return;
     }
     let lanes = ray.lanes(simd);
+    let mut limits = simd.splat(limit);
     let mut stack = Stack::new();
-    stack.push((f32::NEG_INFINITY, tree.root));
-    while let Some((entry, child)) = stack.pop() {
-        if entry > limit {
-            continue;
-        }
-        if child.is_leaf() {
-            limit = leaf(child.index(), limit);
-            continue;
-        }
-        let node = &tree.nodes[child.index()];
-        let (near, mut mask) = lanes.test(simd, node, simd.splat(limit));
-        let near = simd.to_array(near);
-        let first = stack.len;
-        while mask != 0 {
-            let slot = mask.trailing_zeros() as usize & (WIDTH - 1);
-            mask &= mask - 1;
-            stack.push((near[slot], node.children[slot]));
-        }
-        // Few hits, nearly always: insertion wins. The nearest ends on top.
-        for i in first + 1..stack.len {
-            let mut at = i;
-            while at > first && stack.entries[at - 1].0 < stack.entries[at].0 {
-                stack.entries.swap(at - 1, at);
-                at -= 1;
+    let mut current = tree.root;
+    loop {
+        if current.is_leaf() {
+            let new_limit = visitor.leaf(simd, current.index(), limit);
+            if new_limit != limit {
+                limit = new_limit;
+                limits = simd.splat(limit);
+            }
+        } else {
+            let node: &Node = &tree.nodes[current.index()];
+            let (near, mask) = lanes.test(simd, node, limits);
+            if mask != 0 {
+                let first = mask.trailing_zeros() as usize % WIDTH;
+                let rest = mask & (mask - 1);
+                if rest == 0 {
+                    current = node.children[first];
+                    continue;
+                }
+                if rest & (rest - 1) == 0 {
+                    let second = rest.trailing_zeros() as usize % WIDTH;
+                    let near = simd.to_array(near);
+                    let a = Entry::new(near[first], node.children[first]);
+                    let b = Entry::new(near[second], node.children[second]);
+                    stack.push(a.max(b));
+                    current = a.min(b).child();
+                    continue;
+                }
+                let count = mask.count_ones() as usize;
+                // SAFETY: `order` writes an entry for each bit of the mask.
+                unsafe {
+                    stack.extend(count, |window| simd.order(near, mask, &node.children, window));
+                }
             }
         }
+        current = loop {
+            let Some(entry) = stack.pop() else { return };
+            // A limit below zero (an interval that ends behind the origin) is no reason to skip:
+            // entries do not count below zero.
+            if entry.near() <= limit.max(0.0) {
+                break entry.child();
+            }
+        };
     }
 }
 
-/// Calls `leaf` with the leaves that the ray meets before `limit`, in any order, until one returns
-/// true; returns whether one did.
+/// Shows `visitor` the leaves that the ray meets before the limit, in any order, until one is hit;
+/// returns whether one was.
 #[inline(always)]
 pub(crate) fn any<S: Simd>(
     simd: S,
     tree: &Tree,
     ray: &SlabRay,
     limit: f32,
-    mut leaf: impl FnMut(usize) -> bool,
+    visitor: &mut impl Any,
 ) -> bool {
     if tree.root == Child::NONE {
         return false;
     }
     let lanes = ray.lanes(simd);
-    let limit = simd.splat(limit);
+    let limits = simd.splat(limit);
     let mut stack = Stack::new();
-    stack.push((0.0, tree.root));
-    while let Some((_, child)) = stack.pop() {
-        if child.is_leaf() {
-            if leaf(child.index()) {
+    let mut current = tree.root;
+    loop {
+        if current.is_leaf() {
+            if visitor.leaf(simd, current.index()) {
                 return true;
             }
-            continue;
+        } else {
+            let node = &tree.nodes[current.index()];
+            let (_, mut mask) = lanes.test(simd, node, limits);
+            if mask != 0 {
+                current = node.children[mask.trailing_zeros() as usize % WIDTH];
+                mask &= mask - 1;
+                while mask != 0 {
+                    let slot = mask.trailing_zeros() as usize % WIDTH;
+                    mask &= mask - 1;
+                    stack.push(Entry::new(0.0, node.children[slot]));
+                }
+                continue;
+            }
         }
-        let node = &tree.nodes[child.index()];
-        let (_, mut mask) = lanes.test(simd, node, limit);
-        while mask != 0 {
-            let slot = mask.trailing_zeros() as usize & (WIDTH - 1);
-            mask &= mask - 1;
-            stack.push((0.0, node.children[slot]));
-        }
+        let Some(entry) = stack.pop() else { return false };
+        current = entry.child();
     }
-    false
 }

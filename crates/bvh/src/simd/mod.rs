@@ -5,10 +5,24 @@
 //! answers of a tree are still the same bits.
 
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use crate::node::{Child, WIDTH};
+use std::mem::MaybeUninit;
 
 pub(crate) use portable::Portable;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x86::{Avx2, Avx512};
 
-use crate::node::WIDTH;
+/// Something to do with an instruction set, compiled once for each.
+pub(crate) trait Task {
+    type Output;
+
+    /// Implementations are `#[inline(always)]`, and so is all that they call with `simd`: only what
+    /// is inlined into [`Simd::run`] is compiled for the instruction set.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
 
 /// An instruction set. A value of the type is the proof that the processor has it.
 ///
@@ -18,16 +32,84 @@ pub(crate) trait Simd: Copy {
     /// Eight lanes.
     type Lanes: Copy;
 
+    /// Runs `task` in a function that is compiled for this instruction set.
+    fn run<T: Task>(self, task: T) -> T::Output;
+
     fn load(self, from: &[f32; WIDTH]) -> Self::Lanes;
     fn splat(self, value: f32) -> Self::Lanes;
     fn to_array(self, a: Self::Lanes) -> [f32; WIDTH];
+    fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     fn mul(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    fn div(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
+    fn sqrt(self, a: Self::Lanes) -> Self::Lanes;
     /// `a * b + c`, rounded once or twice.
     fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
+    /// `c - a * b`, rounded once or twice.
+    fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
     fn abs(self, a: Self::Lanes) -> Self::Lanes;
     fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     /// Bit `i` is set if `a <= b` in lane `i`.
     fn mask_le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+
+    /// Writes the entries of the children in `mask`, of which there are at least two, farthest first.
+    /// What follows them in `out` is of no meaning.
+    fn order(
+        self,
+        near: Self::Lanes,
+        mask: u32,
+        children: &[Child; WIDTH],
+        out: &mut [MaybeUninit<Entry>; WIDTH],
+    );
+}
+
+/// A child that waits: the bits of the parameter at which the ray enters it, not negative, above
+/// the child. So integers compare as the parameters do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(transparent)]
+pub(crate) struct Entry(pub(crate) u64);
+
+impl Entry {
+    #[inline(always)]
+    pub(crate) fn new(near: f32, child: Child) -> Self {
+        // Also drops the sign of zero.
+        let near = if near > 0.0 { near } else { 0.0 };
+        Self(u64::from(near.to_bits()) << 32 | u64::from(child.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    pub(crate) fn child(self) -> Child {
+        Child(self.0 as u32)
+    }
+}
+
+/// [`Simd::order`] by insertion.
+#[inline(always)]
+fn order_by_insertion(
+    near: [f32; WIDTH],
+    mut mask: u32,
+    children: &[Child; WIDTH],
+    out: &mut [MaybeUninit<Entry>; WIDTH],
+) {
+    let mut sorted = [Entry(0); WIDTH];
+    let mut count = 0;
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize % WIDTH;
+        mask &= mask - 1;
+        let entry = Entry::new(near[lane], children[lane]);
+        let mut at = count;
+        while at > 0 && sorted[(at - 1) % WIDTH] < entry {
+            sorted[at % WIDTH] = sorted[(at - 1) % WIDTH];
+            at -= 1;
+        }
+        sorted[at % WIDTH] = entry;
+        count += 1;
+    }
+    *out = sorted.map(MaybeUninit::new);
 }

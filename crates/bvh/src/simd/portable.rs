@@ -1,8 +1,9 @@
 //! Eight lanes as an array: the definition of what the faster versions do, and what runs where
 //! there is no faster one. The compiler turns it into SSE2 or NEON pairs.
 
-use super::Simd;
-use crate::node::WIDTH;
+use super::{Entry, Simd, Task, order_by_insertion};
+use crate::node::{Child, WIDTH};
+use std::mem::MaybeUninit;
 
 /// Needs nothing of the processor.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +16,11 @@ fn map2<T>(a: [f32; WIDTH], b: [f32; WIDTH], f: impl Fn(f32, f32) -> T) -> [T; W
 
 impl Simd for Portable {
     type Lanes = [f32; WIDTH];
+
+    #[inline(always)]
+    fn run<T: Task>(self, task: T) -> T::Output {
+        task.run(self)
+    }
 
     #[inline(always)]
     fn load(self, from: &[f32; WIDTH]) -> Self::Lanes {
@@ -32,6 +38,11 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn add(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        map2(a, b, |a, b| a + b)
+    }
+
+    #[inline(always)]
     fn sub(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
         map2(a, b, |a, b| a - b)
     }
@@ -42,8 +53,23 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn div(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        map2(a, b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn sqrt(self, a: Self::Lanes) -> Self::Lanes {
+        a.map(f32::sqrt)
+    }
+
+    #[inline(always)]
     fn mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
         std::array::from_fn(|i| a[i] * b[i] + c[i])
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes {
+        std::array::from_fn(|i| c[i] - a[i] * b[i])
     }
 
     #[inline(always)]
@@ -65,5 +91,16 @@ impl Simd for Portable {
     fn mask_le(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
         let bits = map2(a, b, |a, b| u32::from(a <= b));
         (0..WIDTH).fold(0, |mask, i| mask | bits[i] << i)
+    }
+
+    #[inline(always)]
+    fn order(
+        self,
+        near: Self::Lanes,
+        mask: u32,
+        children: &[Child; WIDTH],
+        out: &mut [MaybeUninit<Entry>; WIDTH],
+    ) {
+        order_by_insertion(near, mask, children, out);
     }
 }

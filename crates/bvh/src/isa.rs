@@ -1,0 +1,112 @@
+//! Which instructions a tree is walked with.
+
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Avx2, Avx512};
+use crate::simd::{Portable, Simd, Task};
+use std::fmt;
+use std::str::FromStr;
+use std::sync::OnceLock;
+
+/// A set of vector instructions. All of them give the same answers, to the bit.
+///
+/// A value is only made for a set that the processor has.
+#[derive(Clone, Copy)]
+pub struct Isa(Kind);
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512),
+}
+
+impl Isa {
+    /// What every processor of the architecture has: SSE2 on x86-64, NEON on AArch64.
+    pub const PORTABLE: Self = Self(Kind::Portable);
+
+    /// All sets that this processor has, fastest last.
+    #[must_use]
+    pub fn available() -> Vec<Self> {
+        let mut available = vec![Self::PORTABLE];
+        #[cfg(target_arch = "x86_64")]
+        {
+            available.extend(Avx2::new().map(|isa| Self(Kind::Avx2(isa))));
+            available.extend(Avx512::new().map(|isa| Self(Kind::Avx512(isa))));
+        }
+        available
+    }
+
+    /// The set that new trees use: the one named by the environment variable `ROTUND_ISA`
+    /// (`portable`, `avx2`, `avx512`) if the processor has it, else the fastest. Looked up once.
+    #[must_use]
+    pub fn default_set() -> Self {
+        static DEFAULT: OnceLock<Isa> = OnceLock::new();
+        *DEFAULT.get_or_init(|| {
+            let fastest = Self::available().pop().unwrap_or(Self::PORTABLE);
+            std::env::var("ROTUND_ISA").ok().and_then(|name| name.parse().ok()).unwrap_or(fastest)
+        })
+    }
+
+    /// Its name, as [`Isa::from_str`] reads it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(_) => "avx512",
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
+        match self.0 {
+            Kind::Portable => Portable.run(task),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(isa) => isa.run(task),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(isa) => isa.run(task),
+        }
+    }
+}
+
+impl fmt::Debug for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl PartialEq for Isa {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for Isa {}
+
+/// Why a name is not that of an instruction set here. The text lists those that are.
+#[derive(Clone, Debug)]
+pub struct UnknownIsa(String);
+
+impl fmt::Display for UnknownIsa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> = Isa::available().into_iter().map(Isa::name).collect();
+        write!(f, "no instruction set {:?} here; there are: {}", self.0, names.join(", "))
+    }
+}
+
+impl std::error::Error for UnknownIsa {}
+
+impl FromStr for Isa {
+    type Err = UnknownIsa;
+
+    fn from_str(name: &str) -> Result<Self, UnknownIsa> {
+        Self::available()
+            .into_iter()
+            .find(|isa| isa.name() == name)
+            .ok_or_else(|| UnknownIsa(name.to_owned()))
+    }
+}
