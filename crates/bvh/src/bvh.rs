@@ -151,9 +151,11 @@ struct FindClosest<'a, T, F> {
     test: &'a mut F,
 }
 
-impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest for FindClosest<'_, T, F> {
+impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest<S>
+    for FindClosest<'_, T, F>
+{
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, index: usize, limit: f32) -> f32 {
+    fn leaf(&mut self, _: S, index: usize, limit: f32) -> f32 {
         let id = index as u32;
         let Some((t, value)) = (self.test)(id, &self.shrinking) else {
             return limit;
@@ -195,9 +197,9 @@ struct FindAny<'a, F> {
     test: &'a mut F,
 }
 
-impl<F: FnMut(u32, &Ray) -> bool> traverse::Any for FindAny<'_, F> {
+impl<S: Simd, F: FnMut(u32, &Ray) -> bool> traverse::Any<S> for FindAny<'_, F> {
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, index: usize) -> bool {
+    fn leaf(&mut self, _: S, index: usize) -> bool {
         (self.test)(index as u32, self.ray)
     }
 }

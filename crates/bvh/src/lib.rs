@@ -14,6 +14,7 @@ mod build;
 mod bvh;
 mod isa;
 mod node;
+mod packed;
 mod sah;
 mod simd;
 mod slab;
@@ -22,3 +23,4 @@ mod traverse;
 
 pub use bvh::Bvh;
 pub use isa::{Isa, UnknownIsa};
+pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, TriangleTree};

@@ -11,7 +11,7 @@ pub(crate) const WIDTH: usize = 8;
 /// the tree made of the leaf's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
-pub(crate) struct Child(pub(crate) u32);
+pub struct Child(pub(crate) u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;

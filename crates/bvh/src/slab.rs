@@ -20,6 +20,7 @@
 use crate::node::Node;
 use crate::simd::Simd;
 use rotund_geometry::Ray;
+use rotund_geometry::glam::Vec3;
 
 /// Relative error allowed between the ends of an interval: `8 u`, derived above.
 const SLACK: f32 = 8.0 * rotund_geometry::UNIT_ROUNDOFF;
@@ -33,13 +34,16 @@ const LIMIT_SLACK: f32 = 4.0 * SLACK;
 /// Its parameter is `t * scale`, where `scale` is a power of two that brings the longest component
 /// of an extreme direction near one; for all usual directions it is one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SlabRay {
-    origin: [f32; 3],
+pub struct SlabRay {
+    pub(crate) origin: Vec3,
+    /// The direction over the scale.
+    pub(crate) direction: Vec3,
     inverse: [f32; 3],
     /// Rows of [`Node::planes`] that the ray meets first, per axis; the last is the other of the
     /// pair.
     near: [usize; 3],
-    start: f32,
+    /// Where the interval starts.
+    pub(crate) start: f32,
     scale: f32,
 }
 
@@ -68,7 +72,8 @@ impl SlabRay {
         };
         let inverse = direction.recip();
         let scaled = Self {
-            origin: ray.origin.to_array(),
+            origin: ray.origin,
+            direction,
             inverse: inverse.to_array(),
             near: [0, 1, 2].map(|axis| 2 * axis + usize::from(direction[axis].is_sign_negative())),
             start: 0.0,
@@ -96,7 +101,7 @@ impl SlabRay {
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
         SlabLanes {
-            origin: self.origin.map(|x| simd.splat(x)),
+            origin: self.origin.to_array().map(|x| simd.splat(x)),
             inverse: self.inverse.map(|x| simd.splat(x)),
             near: self.near,
             start: simd.splat(self.start),

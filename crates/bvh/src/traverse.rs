@@ -7,15 +7,15 @@ use crate::slab::SlabRay;
 use crate::stack::Stack;
 
 /// Looks into leaves for the closest hit.
-pub(crate) trait Closest {
+pub(crate) trait Closest<S: Simd> {
     /// Tests the leaf, and returns the limit from now on. Implementations are `#[inline(always)]`.
-    fn leaf<S: Simd>(&mut self, simd: S, index: usize, limit: f32) -> f32;
+    fn leaf(&mut self, simd: S, index: usize, limit: f32) -> f32;
 }
 
 /// Looks into leaves for any hit.
-pub(crate) trait Any {
+pub(crate) trait Any<S: Simd> {
     /// Tests the leaf. Implementations are `#[inline(always)]`.
-    fn leaf<S: Simd>(&mut self, simd: S, index: usize) -> bool;
+    fn leaf(&mut self, simd: S, index: usize) -> bool;
 }
 
 /// Shows `visitor` each leaf that the ray meets before the limit, about nearest first.
@@ -25,7 +25,7 @@ pub(crate) fn closest<S: Simd>(
     tree: &Tree,
     ray: &SlabRay,
     mut limit: f32,
-    visitor: &mut impl Closest,
+    visitor: &mut impl Closest<S>,
 ) {
     if tree.root == Child::NONE {
         return;
@@ -70,8 +70,8 @@ pub(crate) fn closest<S: Simd>(
         current = loop {
             let Some(entry) = stack.pop() else { return };
             // A limit below zero (an interval that ends behind the origin) is no reason to skip:
-            // entries do not count below zero.
-            if entry.near() <= limit.max(0.0) {
+            // entries count from zero, and the lane in their low bits makes them a little more.
+            if entry.near() <= limit.max(f32::MIN_POSITIVE) {
                 break entry.child();
             }
         };
@@ -86,7 +86,7 @@ pub(crate) fn any<S: Simd>(
     tree: &Tree,
     ray: &SlabRay,
     limit: f32,
-    visitor: &mut impl Any,
+    visitor: &mut impl Any<S>,
 ) -> bool {
     if tree.root == Child::NONE {
         return false;

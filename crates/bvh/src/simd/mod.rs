@@ -16,7 +16,7 @@ pub(crate) use portable::Portable;
 pub(crate) use x86::{Avx2, Avx512};
 
 /// Something to do with an instruction set, compiled once for each.
-pub(crate) trait Task {
+pub trait Task {
     type Output;
 
     /// Implementations are `#[inline(always)]`, and so is all that they call with `simd`: only what
@@ -28,7 +28,7 @@ pub(crate) trait Task {
 ///
 /// Comparisons are false for a NaN, and `min` and `max` return their **second** argument if either
 /// is NaN, as the x86 instructions do.
-pub(crate) trait Simd: Copy {
+pub trait Simd: Copy {
     /// Eight lanes.
     type Lanes: Copy;
 
@@ -52,6 +52,8 @@ pub(crate) trait Simd: Copy {
     fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     /// Bit `i` is set if `a <= b` in lane `i`.
     fn mask_le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
+    /// Bit `i` is set unless `a > b` in lane `i`: also beside a NaN.
+    fn mask_not_gt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
 
     /// Writes the entries of the children in `mask`, of which there are at least two, farthest first.
     /// What follows them in `out` is of no meaning.
@@ -68,7 +70,7 @@ pub(crate) trait Simd: Copy {
 /// the child. So integers compare as the parameters do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(transparent)]
-pub(crate) struct Entry(pub(crate) u64);
+pub struct Entry(pub(crate) u64);
 
 impl Entry {
     #[inline(always)]

@@ -94,6 +94,12 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn mask_not_gt(self, a: Self::Lanes, b: Self::Lanes) -> u32 {
+        let bits = map2(a, b, |a, b| u32::from(a > b));
+        (0..WIDTH).fold(255, |mask, i| mask & !(bits[i] << i))
+    }
+
+    #[inline(always)]
     fn order(
         self,
         near: Self::Lanes,

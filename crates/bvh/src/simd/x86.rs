@@ -51,8 +51,18 @@ macro_rules! intrinsics {
     )*};
 }
 
+/// A comparison as bits.
+macro_rules! mask {
+    (in_vectors, $predicate:ident, $a:ident, $b:ident) => {
+        _mm256_movemask_ps(_mm256_cmp_ps::<$predicate>($a, $b)) as u32
+    };
+    (in_masks, $predicate:ident, $a:ident, $b:ident) => {
+        u32::from(_mm256_cmp_ps_mask::<$predicate>($a, $b))
+    };
+}
+
 macro_rules! implement {
-    ($isa:ident, $features:literal, |$a:ident, $b:ident| $mask_le:expr, $compress:ident) => {
+    ($isa:ident, $features:literal, $masks:ident) => {
         impl Simd for $isa {
             type Lanes = __m256;
 
@@ -100,9 +110,15 @@ macro_rules! implement {
             }
 
             #[inline(always)]
-            fn mask_le(self, $a: __m256, $b: __m256) -> u32 {
+            fn mask_le(self, a: __m256, b: __m256) -> u32 {
                 // SAFETY: `self` proves that the processor has the instruction.
-                unsafe { $mask_le }
+                unsafe { mask!($masks, _CMP_LE_OQ, a, b) }
+            }
+
+            #[inline(always)]
+            fn mask_not_gt(self, a: __m256, b: __m256) -> u32 {
+                // SAFETY: `self` proves that the processor has the instruction.
+                unsafe { mask!($masks, _CMP_NGT_UQ, a, b) }
             }
 
             #[inline(always)]
@@ -125,7 +141,7 @@ macro_rules! implement {
                     let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
                     let keys =
                         _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), distance), lanes);
-                    let sorted = sort_descending(self.$compress(keys, mask));
+                    let sorted = sort_descending(self.compress(keys, mask));
                     let children = _mm256_loadu_si256(children.as_ptr().cast());
                     let children = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(
                         children,
@@ -140,18 +156,8 @@ macro_rules! implement {
     };
 }
 
-implement!(
-    Avx2,
-    "avx2,fma,bmi1,bmi2,lzcnt,popcnt",
-    |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
-    compress
-);
-implement!(
-    Avx512,
-    "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw",
-    |a, b| u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b)),
-    compress
-);
+implement!(Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt", in_vectors);
+implement!(Avx512, "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw", in_masks);
 
 /// Compare and exchange (0 2)(1 3), (0 1)(2 3), (1 2): the larger key moves to the lower lane.
 ///

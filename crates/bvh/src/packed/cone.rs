@@ -1,0 +1,120 @@
+//! Rounded cones, and the lines that stand for them in the vanilla form.
+//!
+//! # The reject
+//!
+//! A ray that hits comes within the larger radius of the axis, and the vanilla form asks for the same.
+//! Seen along the ray the axis is a segment from `a` to `b` in a plane, and the ray is the origin:
+//! the point of the segment closest to it, at `s = clamp(a·(a - b) / |a - b|²)`, is at the distance
+//! asked for.
+//!
+//! As for spheres, the ends are wrong by less than `e = 12 u D`, where `D` is the distance of an end from
+//! the origin of the ray. An error of `s` moves the point along the segment by at most
+//! `min(|b - a|, |a| e / |b - a|)`, which at its largest, `sqrt(|a| e)`, adds `|a| e` to the squared
+//! distance; where that matters `|a|` is about `r`, so that `r e < (r + e)² - r²` pays for it once more.
+//! So a lane is kept if `distance² <= (1 + 2^-9) r² + 2^-28 D²`, which is more than `(r + 3 e)²`.
+//!
+//! The hull of the balls has no point nearer along the ray than the nearer pole of the two balls.
+
+use super::kernel::{Block, Kernel, RoundLanes, dot};
+use crate::node::WIDTH;
+use crate::simd::Simd;
+use crate::slab::SlabRay;
+use rotund_geometry::{Aabb, Hit, Ray, RoundedCone, vanilla};
+
+impl Kernel for RoundedCone {
+    type Block = Block<8>;
+    type Lanes<S: Simd> = RoundLanes<S>;
+
+    fn bounds(&self) -> Aabb {
+        let finite = self.p0.is_finite()
+            && self.p1.is_finite()
+            && self.r0.is_finite()
+            && self.r1.is_finite();
+        if finite { self.bounds() } else { Aabb::EMPTY }
+    }
+
+    fn pack(lanes: &[Self; WIDTH]) -> Block<8> {
+        let row = |number: fn(&Self) -> f32| std::array::from_fn(|lane| number(&lanes[lane]));
+        Block {
+            rows: [
+                row(|c| c.p0.x),
+                row(|c| c.p0.y),
+                row(|c| c.p0.z),
+                row(|c| c.r0),
+                row(|c| c.p1.x),
+                row(|c| c.p1.y),
+                row(|c| c.p1.z),
+                row(|c| c.r1),
+            ],
+        }
+    }
+
+    #[inline(always)]
+    fn unpack(block: &Block<8>, lane: usize) -> Self {
+        let [x0, y0, z0, r0, x1, y1, z1, r1] = block.lane(lane);
+        Self { p0: [x0, y0, z0].into(), r0, p1: [x1, y1, z1].into(), r1 }
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> RoundLanes<S> {
+        RoundLanes::new(simd, ray)
+    }
+
+    #[inline(always)]
+    fn candidates<S: Simd>(
+        simd: S,
+        ray: &RoundLanes<S>,
+        block: &Block<8>,
+        limit: f32,
+    ) -> (u32, S::Lanes) {
+        let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref().map(|row| simd.load(row));
+        let first = ray.project(simd, [x0, y0, z0]);
+        let second = ray.project(simd, [x1, y1, z1]);
+        let axis: [S::Lanes; 3] =
+            std::array::from_fn(|i| simd.sub(first.beside[i], second.beside[i]));
+        let s = simd.div(dot(simd, first.beside, axis), dot(simd, axis, axis));
+        // An axis along the ray gives NaN, and then zero.
+        let s = simd.min(simd.max(s, simd.splat(0.0)), simd.splat(1.0));
+        let beside: [S::Lanes; 3] =
+            std::array::from_fn(|i| simd.neg_mul_add(s, axis[i], first.beside[i]));
+        let distance = dot(simd, beside, beside);
+        let radius = simd.max(r0, r1);
+        let square = simd.mul_add(radius, radius, simd.splat(f32::MIN_POSITIVE));
+        let reach = simd.mul_add(
+            square,
+            simd.splat(1.0 + 1.0 / 512.0),
+            simd.mul(simd.max(first.square, second.square), simd.splat(2f32.powi(-28))),
+        );
+        let kept = simd.mask_not_gt(distance, reach);
+        if kept == 0 {
+            return (0, distance);
+        }
+        let size = simd.max(simd.abs(first.t), simd.abs(second.t));
+        let size = simd.mul_add(radius, ray.inverse_length, size);
+        let slack = simd.mul(size, simd.splat(2f32.powi(-19)));
+        let (h0, h1) = (
+            simd.mul_add(r0, ray.inverse_length, slack),
+            simd.mul_add(r1, ray.inverse_length, slack),
+        );
+        let near = simd.min(simd.sub(first.t, h0), simd.sub(second.t, h1));
+        let far = simd.max(simd.add(first.t, h0), simd.add(second.t, h1));
+        let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(ray.start, far);
+        // In this order a NaN becomes the start.
+        (kept & within, simd.max(near, ray.start))
+    }
+
+    #[inline(always)]
+    fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit> {
+        if VANILLA { line(self).closest(ray) } else { self.closest(ray) }
+    }
+
+    #[inline(always)]
+    fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
+        if VANILLA { line(self).closest_t(ray) } else { self.closest_t(ray) }
+    }
+}
+
+#[inline(always)]
+fn line(cone: &RoundedCone) -> vanilla::Line {
+    vanilla::Line { p0: cone.p0, r0: cone.r0, p1: cone.p1, r1: cone.r1 }
+}

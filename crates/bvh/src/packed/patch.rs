@@ -1,0 +1,106 @@
+//! Bilinear patches, and the pairs of triangles that stand for them in the vanilla form.
+//!
+//! # The reject
+//!
+//! Both forms lie in the tetrahedron of the corners. Its picture, seen along the ray (`flat.rs`), is
+//! the union of those of its four faces; each is met if its three signed areas have the same sign,
+//! so if the least of them is not negative or the largest not positive.
+
+use super::flat::{Corner, FlatLanes, area, largest_side};
+use super::kernel::{Block, Kernel};
+use crate::node::WIDTH;
+use crate::simd::Simd;
+use crate::slab::SlabRay;
+use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, vanilla};
+
+/// Rows: the corners p00, p10, p11, p01 (around the patch), and the largest side of their box.
+impl Kernel for BilinearPatch {
+    type Block = Block<13>;
+    type Lanes<S: Simd> = FlatLanes<S>;
+
+    fn bounds(&self) -> Aabb {
+        let finite = [self.p00, self.p10, self.p01, self.p11].iter().all(|p| p.is_finite());
+        if finite { self.bounds() } else { Aabb::EMPTY }
+    }
+
+    fn pack(lanes: &[Self; WIDTH]) -> Block<13> {
+        let mut rows = [[0.0; WIDTH]; 13];
+        for (lane, patch) in lanes.iter().enumerate() {
+            let corners = [patch.p00, patch.p10, patch.p11, patch.p01];
+            for (corner, p) in corners.iter().enumerate() {
+                for axis in 0..3 {
+                    rows[3 * corner + axis][lane] = p[axis];
+                }
+            }
+            rows[12][lane] = largest_side(&corners);
+        }
+        Block { rows }
+    }
+
+    #[inline(always)]
+    fn unpack(block: &Block<13>, lane: usize) -> Self {
+        let [x0, y0, z0, x1, y1, z1, x2, y2, z2, x3, y3, z3, _] = block.lane(lane);
+        Self {
+            p00: [x0, y0, z0].into(),
+            p10: [x1, y1, z1].into(),
+            p11: [x2, y2, z2].into(),
+            p01: [x3, y3, z3].into(),
+        }
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> FlatLanes<S> {
+        FlatLanes::new(simd, ray)
+    }
+
+    #[inline(always)]
+    fn candidates<S: Simd>(
+        simd: S,
+        ray: &FlatLanes<S>,
+        block: &Block<13>,
+        limit: f32,
+    ) -> (u32, S::Lanes) {
+        let (corners, _) = block.rows.as_chunks::<3>();
+        let [c0, c1, c2, c3]: [Corner<S>; 4] =
+            std::array::from_fn(|i| ray.corner(simd, &corners[i]));
+        let (a01, a12) = (area(simd, c0, c1), area(simd, c1, c2));
+        let (a23, a30) = (area(simd, c2, c3), area(simd, c3, c0));
+        // Both directions of the diagonals: rounding is the same but for the sign.
+        let (a02, a13) = (area(simd, c0, c2), area(simd, c1, c3));
+        let zero = simd.splat(0.0);
+        let (a20, a31) = (simd.sub(zero, a02), simd.sub(zero, a13));
+        let least = |a, b, c| simd.min(simd.min(a, b), c);
+        let most = |a, b, c| simd.max(simd.max(a, b), c);
+        let positive = simd.max(
+            simd.max(least(a01, a12, a20), least(a02, a23, a30)),
+            simd.max(least(a01, a13, a30), least(a12, a23, a31)),
+        );
+        let negative = simd.min(
+            simd.min(most(a01, a12, a20), most(a02, a23, a30)),
+            simd.min(most(a01, a13, a30), most(a12, a23, a31)),
+        );
+        let error = ray.area_error(simd, simd.load(&block.rows[12]), c0.z);
+        let kept =
+            simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
+        if kept == 0 {
+            return (0, zero);
+        }
+        let (within, near) = ray.interval(simd, [c0, c1, c2, c3], limit);
+        (kept & within, near)
+    }
+
+    #[inline(always)]
+    fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit> {
+        if VANILLA { quad(self).closest(ray) } else { self.closest(ray) }
+    }
+
+    #[inline(always)]
+    fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
+        if VANILLA { quad(self).closest_t(ray) } else { self.closest_t(ray) }
+    }
+}
+
+#[inline(always)]
+fn quad(patch: &BilinearPatch) -> vanilla::Quad {
+    vanilla::Quad { p0: patch.p00, p1: patch.p10, p2: patch.p11, p3: patch.p01 }
+}

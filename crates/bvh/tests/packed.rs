@@ -1,0 +1,292 @@
+//! Packed trees give, to the bit, the answer of a loop over all primitives, with every instruction set.
+
+mod support;
+
+use glam::Vec3;
+use rotund_bvh::{Bvh, ConeTree, Form, Isa, PatchTree, SphereTree, TriangleTree};
+use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
+use support::Random;
+
+/// What is asked of a tree, for all kinds alike.
+type Answer = (Option<(u32, Hit)>, bool);
+
+/// The loop: lowest id among the smallest `t`.
+fn loop_over(count: usize, closest: impl Fn(usize) -> Option<Hit>) -> Answer {
+    let best = (0..count).fold(None, |best: Option<(u32, Hit)>, id| match closest(id) {
+        Some(hit) if best.is_none_or(|(_, best)| hit.t < best.t) => Some((id as u32, hit)),
+        _ => best,
+    });
+    (best, best.is_some())
+}
+
+/// Compares a tree with the loop, over `rays`, in both forms and on every instruction set.
+macro_rules! check {
+    ($tree:ty, $primitives:expr, $rays:expr, $least_hits:expr, $vanilla:expr) => {{
+        let (primitives, rays) = ($primitives, $rays);
+        let trees: Vec<$tree> = Isa::available()
+            .into_iter()
+            .map(|isa| <$tree>::build(&primitives).with_isa(isa))
+            .collect();
+        for form in [Form::Enhanced, Form::Vanilla] {
+            let mut hits = 0;
+            for ray in &rays {
+                let expected = loop_over(primitives.len(), |id| match form {
+                    Form::Enhanced => primitives[id].closest(ray),
+                    Form::Vanilla => $vanilla(&primitives[id]).closest(ray),
+                });
+                hits += usize::from(expected.1);
+                for tree in &trees {
+                    let found = (tree.closest(ray, form), tree.any(ray, form));
+                    assert_eq!(found, expected, "{form:?}, {:?}, {ray:?}", tree.isa());
+                }
+            }
+            assert!(hits >= $least_hits, "{form:?}: {hits} hits test little");
+        }
+    }};
+}
+
+fn point(s: &Sphere) -> vanilla::Point {
+    vanilla::Point { center: s.center, radius: s.radius }
+}
+
+fn line(c: &RoundedCone) -> vanilla::Line {
+    vanilla::Line { p0: c.p0, r0: c.r0, p1: c.p1, r1: c.r1 }
+}
+
+fn quad(p: &BilinearPatch) -> vanilla::Quad {
+    vanilla::Quad { p0: p.p00, p1: p.p10, p2: p.p11, p3: p.p01 }
+}
+
+fn spheres(random: &mut Random, count: usize, size: f32) -> Vec<Sphere> {
+    (0..count)
+        .map(|_| Sphere { center: random.point(), radius: size * (0.01 + random.unit()) })
+        .collect()
+}
+
+fn cones(random: &mut Random, count: usize, size: f32) -> Vec<RoundedCone> {
+    (0..count)
+        .map(|i| {
+            let p0 = random.point();
+            // Long and thin, short and thick, and one ball in the other.
+            let length = size * 2f32.powi(i as i32 % 7 - 4);
+            RoundedCone {
+                p0,
+                r0: 0.2 * size * random.unit(),
+                p1: p0 + length * random.point(),
+                r1: 0.2 * size * random.unit(),
+            }
+        })
+        .collect()
+}
+
+fn patches(random: &mut Random, count: usize, size: f32) -> Vec<BilinearPatch> {
+    (0..count)
+        .map(|i| {
+            let p00 = random.point();
+            let (u, v) = (size * random.point(), size * random.point());
+            let twist = size * random.point() * [0.0, 0.1, 1.0][i % 3];
+            BilinearPatch { p00, p10: p00 + u, p01: p00 + v, p11: p00 + u + v + twist }
+        })
+        .collect()
+}
+
+fn triangles(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
+    (0..count)
+        .map(|_| {
+            let p0 = random.point();
+            Triangle { p0, p1: p0 + size * random.point(), p2: p0 + size * random.point() }
+        })
+        .collect()
+}
+
+/// From near and far, in and along the axes, with directions of many lengths and with intervals.
+fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
+    (0..count)
+        .map(|i| {
+            let origin = random.point() * [1.0, 2.0, 100.0][i % 3];
+            let mut direction = random.point() - origin;
+            if i % 5 == 0 {
+                direction[i / 5 % 3] = 0.0;
+            }
+            let mut ray = Ray::new(origin, direction * 2f32.powi(i as i32 % 41 - 20));
+            if i % 4 == 0 {
+                ray.t_min = random.unit() / direction.length();
+                ray.t_max = ray.t_min * 2.0;
+            }
+            if i % 11 == 0 {
+                ray.t_min = -1.0;
+            }
+            ray
+        })
+        .collect()
+}
+
+#[test]
+fn spheres_agree_with_a_loop() {
+    for (count, size) in [(1, 0.5), (2, 0.5), (9, 0.3), (300, 0.1), (3000, 0.02)] {
+        let mut random = Random(count as u64);
+        let (primitives, rays) = (spheres(&mut random, count, size), rays(&mut random, 1500));
+        check!(SphereTree, primitives, rays, 3, point);
+    }
+}
+
+#[test]
+fn cones_agree_with_a_loop() {
+    for (count, size) in [(1, 1.0), (7, 0.8), (100, 0.4), (2000, 0.1)] {
+        let mut random = Random(count as u64);
+        let (primitives, rays) = (cones(&mut random, count, size), rays(&mut random, 1500));
+        check!(ConeTree, primitives, rays, 3, line);
+    }
+}
+
+#[test]
+fn patches_agree_with_a_loop() {
+    for (count, size) in [(1, 1.0), (8, 0.8), (100, 0.4), (2000, 0.1)] {
+        let mut random = Random(count as u64);
+        let (primitives, rays) = (patches(&mut random, count, size), rays(&mut random, 1500));
+        check!(PatchTree, primitives, rays, 3, quad);
+    }
+}
+
+#[test]
+fn triangles_agree_with_a_loop() {
+    for (count, size) in [(2, 1.0), (8, 0.8), (100, 0.4), (2000, 0.1)] {
+        let mut random = Random(count as u64);
+        let (primitives, rays) = (triangles(&mut random, count, size), rays(&mut random, 1500));
+        check!(TriangleTree, primitives, rays, 2, |triangle: &Triangle| *triangle);
+    }
+}
+
+#[test]
+fn rays_that_graze_agree_with_a_loop() {
+    // Aimed at the very edge of what they are to hit, from ever farther away.
+    let mut random = Random(77);
+    let balls = spheres(&mut random, 500, 0.05);
+    let tubes = cones(&mut random, 500, 0.2);
+    let sheet = patches(&mut random, 500, 0.2);
+    let mut aimed = |targets: &mut dyn FnMut(&mut Random) -> (Vec3, f32)| -> Vec<Ray> {
+        (0..2000)
+            .map(|i| {
+                let (target, radius) = targets(&mut random);
+                let direction = random.point().normalize();
+                let beside = direction.cross(random.point()).normalize();
+                let distance = 4f32.powi(i % 10 - 2);
+                Ray::new(target + radius * beside - distance * direction, direction)
+            })
+            .collect()
+    };
+    let at_balls = aimed(&mut |random| {
+        let ball = balls[random.below(balls.len())];
+        (ball.center, ball.radius)
+    });
+    let at_tubes = aimed(&mut |random| {
+        let tube = tubes[random.below(tubes.len())];
+        let s = random.unit();
+        (tube.p0.lerp(tube.p1, s), tube.r0 + s * (tube.r1 - tube.r0))
+    });
+    let at_edges = aimed(&mut |random| {
+        let patch = sheet[random.below(sheet.len())];
+        (patch.p00.lerp(patch.p10, random.unit()), 0.0)
+    });
+    check!(SphereTree, balls.clone(), at_balls, 300, point);
+    check!(ConeTree, tubes.clone(), at_tubes, 300, line);
+    check!(PatchTree, sheet.clone(), at_edges, 300, quad);
+}
+
+#[test]
+fn huge_and_tiny_scenes_agree_with_a_loop() {
+    for exponent in [-60, -40, -20, 20, 40] {
+        let scale = 2f32.powi(exponent);
+        let mut random = Random(5);
+        let mut balls = spheres(&mut random, 200, 0.2);
+        let mut tubes = cones(&mut random, 200, 0.5);
+        let mut sheet = patches(&mut random, 200, 0.5);
+        let mut rays = rays(&mut random, 300);
+        for ball in &mut balls {
+            *ball = Sphere { center: scale * ball.center, radius: scale * ball.radius };
+        }
+        for c in &mut tubes {
+            *c = RoundedCone {
+                p0: scale * c.p0,
+                r0: scale * c.r0,
+                p1: scale * c.p1,
+                r1: scale * c.r1,
+            };
+        }
+        for p in &mut sheet {
+            *p = BilinearPatch {
+                p00: scale * p.p00,
+                p10: scale * p.p10,
+                p01: scale * p.p01,
+                p11: scale * p.p11,
+            };
+        }
+        for ray in &mut rays {
+            ray.origin *= scale;
+        }
+        check!(SphereTree, balls, rays.clone(), 3, point);
+        check!(ConeTree, tubes, rays.clone(), 3, line);
+        check!(PatchTree, sheet, rays, 3, quad);
+    }
+}
+
+#[test]
+fn equal_primitives_give_the_lowest_id() {
+    let mut random = Random(6);
+    let balls = spheres(&mut random, 40, 0.3).repeat(25);
+    check!(SphereTree, balls, rays(&mut random, 500), 100, point);
+}
+
+#[test]
+fn primitives_with_nan_or_infinity_are_left_out() {
+    let mut random = Random(7);
+    let mut balls = spheres(&mut random, 100, 0.3);
+    balls[3].center.y = f32::NAN;
+    balls[50].radius = f32::NAN;
+    balls[51].radius = -1.0;
+    balls[52].radius = 0.0;
+    balls[99].center.x = f32::INFINITY;
+    let mut sheet = patches(&mut random, 100, 0.5);
+    sheet[9].p10.z = f32::NAN;
+    sheet[10].p10.z = f32::NEG_INFINITY;
+    sheet[11] = BilinearPatch { p00: Vec3::X, p10: Vec3::X, p01: Vec3::X, p11: Vec3::X };
+    let rays = rays(&mut random, 1000);
+    check!(SphereTree, balls, rays.clone(), 100, point);
+    check!(PatchTree, sheet, rays, 100, quad);
+}
+
+#[test]
+fn an_empty_tree_meets_nothing() {
+    let tree = SphereTree::build(&[]);
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    assert_eq!(tree.closest(&ray, Form::Enhanced), None);
+    assert!(!tree.any(&ray, Form::Enhanced));
+}
+
+#[test]
+fn a_packed_tree_agrees_with_a_tree_of_boxes() {
+    let mut random = Random(11);
+    let balls = spheres(&mut random, 50_000, 0.01);
+    let boxes: Vec<_> = balls.iter().map(Sphere::bounds).collect();
+    let (packed, plain) = (SphereTree::build(&balls), Bvh::build(&boxes));
+    for isa in Isa::available() {
+        let (packed, plain) = (packed.clone().with_isa(isa), plain.clone().with_isa(isa));
+        for ray in rays(&mut random, 5000) {
+            let asked = plain
+                .closest(&ray, |id, ray| balls[id as usize].closest(ray).map(|hit| (hit.t, hit)))
+                .map(|(id, _, hit)| (id, hit));
+            assert_eq!(packed.closest(&ray, Form::Enhanced), asked, "{isa:?}, {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let mut random = Random(12);
+    let balls = spheres(&mut random, 200_000, 0.01);
+    let trees = [1, 2, 5].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        format!("{:?}", pool.install(|| SphereTree::build(&balls)))
+    });
+    assert!(trees[0] == trees[1] && trees[1] == trees[2], "the trees differ");
+}
