@@ -64,7 +64,7 @@ pub struct NamedBy(pub Option<(PathBuf, String)>);
 impl std::fmt::Display for NamedBy {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.0 {
-            Some((path, field)) => write!(f, ", named by {field} of {},", path.display()),
+            Some((path, field)) => write!(f, " (named by {field} of {})", path.display()),
             None => Ok(()),
         }
     }
