@@ -198,12 +198,6 @@ impl RoundedCone {
         for end in [End::Entry, End::Exit] {
             let theta = if k2 < 0.0 && (end == End::Entry) == (m * rho >= 0.0) {
                 if end == End::Entry { f64::NEG_INFINITY } else { f64::INFINITY }
-            } else if q == 0.0 {
-                // A cylinder and a line along it: inside all the way, or outside.
-                if k0 > 0.0 {
-                    return None;
-                }
-                if end == End::Entry { f64::NEG_INFINITY } else { f64::INFINITY }
             } else if (end == End::Entry) == k1.is_sign_positive() {
                 q / k2
             } else {

@@ -1,7 +1,8 @@
 //! `accuracy`: speed against error of every intersector, the library's own and the published ones.
 //!
 //! Rays of the hardest families are solved in 106 bits by formulas that share nothing with the code
-//! under test; every method is held against that. Prints a table for each shape. It exists so that each claim about accuracy or speed has a command.
+//! under test; every method is held against that. Prints a table for each shape and writes a report
+//! that opens offline. It exists so that each claim about accuracy or speed has a command.
 
 mod baselines;
 mod families;
@@ -10,6 +11,7 @@ mod methods;
 mod overview;
 mod random;
 mod replay;
+mod report;
 mod sheets;
 mod study;
 mod tally;
@@ -32,7 +34,7 @@ use crate::console::say;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask accuracy --json out/accuracy.json
+  cargo xtask accuracy --out out/accuracy
   cargo xtask accuracy --shape cone --family grazing --method rotund --no-timing
   cargo xtask accuracy --seed 7 --check";
 
@@ -58,6 +60,9 @@ pub(crate) struct Args {
     /// Write everything that was measured to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write index.html, the report, to this directory.
+    #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
+    out: PathBuf,
     /// Fail if one of our own methods misses a target, and list each row that does.
     #[arg(long)]
     check: bool,
@@ -92,8 +97,11 @@ pub(crate) fn run(args: Args) -> Result<()> {
     overview::print(&study, &verdicts)?;
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "study": study, "targets": verdicts });
-        write(path, serde_json::to_string_pretty(&all)?.as_bytes())?;
+        write(path, &serde_json::to_string_pretty(&all)?)?;
     }
+    let page = args.out.join("index.html");
+    write(&page, &report::page(&study, &verdicts, &options)?)?;
+    say(format!("\nreport: {}", page.display()))?;
     let missed: Vec<_> = verdicts.iter().filter(|v| !v.met).collect();
     if args.check && !missed.is_empty() {
         for verdict in &missed {
@@ -119,13 +127,11 @@ fn progress(rows: usize) -> ProgressBar {
     bar
 }
 
-/// Writes to a temporary file beside `path` and renames it, so that nobody sees half of it.
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let failed = || format!("cannot write {}", path.display());
-    fs::create_dir_all(directory).with_context(failed)?;
-    let mut file = tempfile::NamedTempFile::new_in(directory).with_context(failed)?;
-    file.write_all(bytes).with_context(failed)?;
-    file.persist(path).with_context(failed)?;
+/// Writes the file in one piece; its folder is made if need be.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    rotund_trace::output::write_with(path, |file| file.write_all(text.as_bytes()))?;
     Ok(())
 }

@@ -22,7 +22,8 @@ pub(crate) fn print(study: &Study, verdicts: &[Verdict]) -> Result<()> {
     say(
         "\nUnits: t in 2^-24 t; positions in 2^-24 max(|p|, size); normals in degrees; the offset along \
          the normal that\nno ray needs to exceed in 2^-24 max(|o|, |p|). p99 and max are of the worst row. \
-         ns include the loop around the test.",
+         ns include the loop \
+         around the test;\nfresh: rays the processor has not seen before, the others come again and again.",
     )?;
     say(format!("\n{}", targets(verdicts)))
 }
@@ -32,6 +33,7 @@ fn methods(shape: &ShapeResult) -> Table {
         "method",
         "ns",
         "+-",
+        "fresh",
         "hits",
         "misses",
         "rebuild",
@@ -72,11 +74,12 @@ fn methods(shape: &ShapeResult) -> Table {
     table
 }
 
-fn times(shape: &ShapeResult, method: &str) -> [String; 5] {
-    let Some(timing) = shape.timing(method) else { return [const { String::new() }; 5] };
+fn times(shape: &ShapeResult, method: &str) -> [String; 6] {
+    let Some(timing) = shape.timing(method) else { return [const { String::new() }; 6] };
     [
         format!("{:.1}", timing.mixed.median),
         format!("{:.1}", timing.mixed.spread),
+        format!("{:.1}", timing.fresh.median),
         format!("{:.1}", timing.hits.median),
         format!("{:.1}", timing.misses.median),
         timing.rebuild.map_or("-".to_owned(), |ns| format!("{:.1}", ns.median)),

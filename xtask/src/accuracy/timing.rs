@@ -3,6 +3,10 @@
 //! The methods take turns, round by round, so that whatever slows the machine down slows all of them;
 //! the median over the rounds is reported, and how far the middle half of them spreads. The loop
 //! around the call is part of the time and reported by itself as the method that does nothing.
+//!
+//! A processor learns the branches of rays that come again and again. Most figures in print are of that
+//! kind, and so are `mixed`, `hits` and `misses`; `fresh` is of rays that come once in a round, in far
+//! greater number than a predictor remembers, which is what a renderer sees.
 
 use std::{hint::black_box, time::Instant};
 
@@ -11,17 +15,21 @@ use serde::Serialize;
 
 use super::{
     families::rows,
-    methods::{Measured, Method, Rebuilt},
+    methods::{Measured, Method},
     random::Random,
     truth::Truth,
 };
 
-/// Pairs of a shape and a ray; they stay in the first cache.
+/// Pairs of a shape and a ray that are repeated.
 const PAIRS: usize = 1024;
 
-/// Rounds of all methods, each over all pairs a few times.
-const ROUNDS: usize = 41;
-const SWEEPS: usize = 12;
+/// Pairs that are not.
+const FRESH_PAIRS: usize = 16 * PAIRS;
+
+/// Rounds of all methods; in each, the pairs are repeated unseen by the clock and then seen by it.
+const ROUNDS: usize = 21;
+const LEARNING_SWEEPS: usize = 20;
+const SWEEPS: usize = 40;
 
 /// A median over the rounds.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -38,6 +46,8 @@ pub(crate) struct Timing {
     pub(crate) method: &'static str,
     /// Half of the rays hit, in random order.
     pub(crate) mixed: Nanoseconds,
+    /// The same, of rays that the processor has not seen before.
+    pub(crate) fresh: Nanoseconds,
     pub(crate) hits: Nanoseconds,
     pub(crate) misses: Nanoseconds,
     /// Parameters, and position and normal rebuilt from them, of a hit that is there already.
@@ -46,8 +56,6 @@ pub(crate) struct Timing {
 
 /// The name of the loop that calls nothing.
 pub(crate) const LOOP: &str = "the loop alone";
-
-type Pairs<S> = Vec<(S, Ray)>;
 
 /// Times all methods of a shape; single-threaded.
 pub(crate) fn time<S: Measured>(methods: &[&Method<S>], seed: u64) -> Vec<Timing> {
@@ -60,42 +68,59 @@ pub(crate) fn time<S: Measured>(methods: &[&Method<S>], seed: u64) -> Vec<Timing
         rebuild: None,
     };
     let methods: Vec<&Method<S>> = methods.iter().copied().chain([&nothing]).collect();
-    let (hits, misses) = (pairs::<S>(seed, PAIRS, true), pairs::<S>(seed, PAIRS, false));
+    let (hits, misses) =
+        (pairs::<S>(seed, FRESH_PAIRS / 2, true), pairs::<S>(seed, FRESH_PAIRS / 2, false));
+    let fresh = shuffled(&hits, &misses, seed);
     let mixed = shuffled(&hits[..PAIRS / 2], &misses[..PAIRS / 2], seed);
-    let sets = [&mixed, &hits, &misses];
+    let (hits, misses) = (&hits[..PAIRS], &misses[..PAIRS]);
 
-    let mut samples = vec![[const { Vec::new() }; 3]; methods.len()];
-    let mut rebuilds = vec![Vec::new(); methods.len()];
-    for round in 0..=ROUNDS {
-        for (i, method) in methods.iter().enumerate() {
-            for (set, samples) in sets.iter().zip(&mut samples[i]) {
-                let ns = sweep(method.closest, set);
-                // The first round warms caches, branch predictors and the clock of the processor.
-                if round > 0 {
-                    samples.push(ns);
-                }
-            }
-            if let Some(rebuild) = method.rebuild
-                && round > 0
-            {
-                rebuilds[i].push(sweep_rebuild(method.closest, rebuild, &hits));
+    let mut samples = vec![Samples::default(); methods.len()];
+    for _ in 0..ROUNDS {
+        for (method, samples) in methods.iter().zip(&mut samples) {
+            let test = |pairs: &[(S, Ray)], sweeps| {
+                sweep(pairs, sweeps, |(shape, ray)| (method.closest)(shape, ray))
+            };
+            let learned = |pairs: &[(S, Ray)]| {
+                test(pairs, LEARNING_SWEEPS);
+                test(pairs, SWEEPS)
+            };
+            samples.fresh.push(test(&fresh, 1));
+            samples.mixed.push(learned(&mixed));
+            samples.hits.push(learned(hits));
+            samples.misses.push(learned(misses));
+            if let Some(rebuild) = method.rebuild {
+                let found: Vec<(S, Hit)> = hits
+                    .iter()
+                    .filter_map(|(s, ray)| Some((*s, (method.closest)(s, ray)?)))
+                    .collect();
+                samples.rebuild.push(sweep(&found, SWEEPS, |(shape, hit)| rebuild(shape, hit)));
             }
         }
     }
-    let timing =
-        |(method, ([mixed, hits, misses], rebuild)): (&&Method<S>, ([Vec<f64>; 3], _))| Timing {
-            shape: S::NAME,
-            method: method.name,
-            mixed: summary(mixed),
-            hits: summary(hits),
-            misses: summary(misses),
-            rebuild: method.rebuild.map(|_| summary(rebuild)),
-        };
-    methods.iter().zip(samples.into_iter().zip(rebuilds)).map(timing).collect()
+    let timing = |(method, samples): (&&Method<S>, Samples)| Timing {
+        shape: S::NAME,
+        method: method.name,
+        mixed: summary(samples.mixed),
+        fresh: summary(samples.fresh),
+        hits: summary(samples.hits),
+        misses: summary(samples.misses),
+        rebuild: method.rebuild.map(|_| summary(samples.rebuild)),
+    };
+    methods.iter().zip(samples).map(timing).collect()
+}
+
+/// Nanoseconds of each round.
+#[derive(Clone, Default)]
+struct Samples {
+    mixed: Vec<f64>,
+    fresh: Vec<f64>,
+    hits: Vec<f64>,
+    misses: Vec<f64>,
+    rebuild: Vec<f64>,
 }
 
 /// Rays of the timed family that truly hit, or truly miss.
-fn pairs<S: Measured>(seed: u64, count: usize, hitting: bool) -> Pairs<S> {
+fn pairs<S: Measured>(seed: u64, count: usize, hitting: bool) -> Vec<(S, Ray)> {
     let (family, level) = S::TIMED;
     let row = rows::<S>()
         .find(|row| row.family.name == family && row.level == level)
@@ -107,7 +132,7 @@ fn pairs<S: Measured>(seed: u64, count: usize, hitting: bool) -> Pairs<S> {
         .collect()
 }
 
-fn shuffled<S: Measured>(a: &[(S, Ray)], b: &[(S, Ray)], seed: u64) -> Pairs<S> {
+fn shuffled<S: Measured>(a: &[(S, Ray)], b: &[(S, Ray)], seed: u64) -> Vec<(S, Ray)> {
     let mut all = [a, b].concat();
     let mut random = Random::of(seed, "shuffle", 0);
     for i in (1..all.len()).rev() {
@@ -116,34 +141,15 @@ fn shuffled<S: Measured>(a: &[(S, Ray)], b: &[(S, Ray)], seed: u64) -> Pairs<S> 
     all
 }
 
-/// Nanoseconds a call.
-fn sweep<S: Measured>(closest: fn(&S, &Ray) -> Option<Hit>, pairs: &Pairs<S>) -> f64 {
-    let closest = black_box(closest);
+/// Nanoseconds a call of `test`, which calls a function that the compiler does not know.
+fn sweep<T, R>(inputs: &[T], sweeps: usize, test: impl Fn(&T) -> R) -> f64 {
     let start = Instant::now();
-    for _ in 0..SWEEPS {
-        for (shape, ray) in pairs {
-            black_box(closest(shape, ray));
+    for _ in 0..sweeps {
+        for input in inputs {
+            black_box(test(black_box(input)));
         }
     }
-    start.elapsed().as_secs_f64() * 1e9 / (SWEEPS * pairs.len()) as f64
-}
-
-/// Nanoseconds a hit.
-fn sweep_rebuild<S: Measured>(
-    closest: fn(&S, &Ray) -> Option<Hit>,
-    rebuild: fn(&S, &Hit) -> Rebuilt,
-    pairs: &Pairs<S>,
-) -> f64 {
-    let hits: Vec<(S, Hit)> =
-        pairs.iter().filter_map(|(shape, ray)| Some((*shape, closest(shape, ray)?))).collect();
-    let rebuild = black_box(rebuild);
-    let start = Instant::now();
-    for _ in 0..SWEEPS {
-        for (shape, hit) in &hits {
-            black_box(rebuild(shape, hit));
-        }
-    }
-    start.elapsed().as_secs_f64() * 1e9 / (SWEEPS * hits.len().max(1)) as f64
+    start.elapsed().as_secs_f64() * 1e9 / (sweeps * inputs.len()).max(1) as f64
 }
 
 fn summary(mut samples: Vec<f64>) -> Nanoseconds {
