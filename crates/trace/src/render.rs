@@ -1,12 +1,17 @@
 //! All pixels of a picture, over all threads.
 
-use crate::{Film, Sequence};
-use std::time::Duration;
+use crate::path::World;
+use crate::{Film, Lights, Sampler, Sequence, film::PixelSum};
+use glam::Vec2;
+use rayon::prelude::*;
+use rotund_scene::{Pixels, Scene, Trees};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 /// What to render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Pixels in a row; see [`picture_size`].
+    /// Pixels in a row; see [`rotund_scene::Camera::resolution`].
     pub width: u32,
     /// Rows.
     pub height: u32,
@@ -44,10 +49,110 @@ pub struct Progress<'a> {
     pub elapsed: Duration,
 }
 
-/// Width and height of a picture whose longer side has `resolution` pixels: the other is rounded,
-/// but at least 1.
-#[must_use]
-pub fn picture_size(aspect: f32, resolution: u32) -> (u32, u32) {
-    let other = |factor: f32| ((resolution as f32 * factor).round() as u32).max(1);
-    if aspect >= 1.0 { (resolution, other(1.0 / aspect)) } else { (other(aspect), resolution) }
+/// Renders a picture with the threads of the current rayon pool, in passes over all pixels.
+///
+/// After each pass, which takes about half a second, `progress` is told; if it breaks, the render
+/// ends with the samples it has. The passes, and so the clock, decide only when that is: the same
+/// samples make the same picture, bit for bit, on any number of threads.
+///
+/// # Panics
+///
+/// If the scene has no camera of that index.
+pub fn render(
+    scene: &Scene,
+    trees: &Trees,
+    lights: &Lights,
+    camera: usize,
+    options: &Options,
+    progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
+) -> Film {
+    let mut film = Film::new(options.width, options.height);
+    resume(&mut film, scene, trees, lights, camera, options, progress);
+    film
+}
+
+/// Adds to a film the samples that it lacks; see [`render`].
+///
+/// # Panics
+///
+/// If the scene has no camera of that index, or the film has not the size that `options` say.
+pub fn resume(
+    film: &mut Film,
+    scene: &Scene,
+    trees: &Trees,
+    lights: &Lights,
+    camera: usize,
+    options: &Options,
+    progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
+) {
+    assert!(
+        (film.width, film.height) == (options.width, options.height),
+        "a film of {} x {} cannot be resumed at {} x {}",
+        film.width,
+        film.height,
+        options.width,
+        options.height
+    );
+    let camera = &scene.cameras[camera];
+    let world = World { scene, trees, lights, bounces: options.bounces, opaque: is_opaque(scene) };
+    let size = Vec2::new(options.width as f32, options.height as f32);
+    // One sample of one pixel; returns the rays it took and whether it was rejected.
+    let sample = |sum: &mut PixelSum, x: u32, y: u32, index: u32| -> [u64; 2] {
+        let sampler = Sampler::new(options.sequence, options.seed, x, y, index);
+        let [u, v, lens_u, lens_v] = sampler.set(0);
+        let image_uv = Vec2::new(x as f32 + u, y as f32 + v) / size;
+        let lens_uv = crate::warp::disk(Vec2::new(lens_u, lens_v));
+        let arrived = world.trace(camera.ray(image_uv, lens_uv), &sampler);
+        let fit = sum.add(arrived.radiance.to_array(), arrived.covered);
+        [arrived.rays, u64::from(!fit)]
+    };
+
+    let start = Instant::now();
+    let mut rays = 0;
+    let mut pass_samples = 1;
+    while film.samples < options.samples && film.width > 0 {
+        let pass_start = Instant::now();
+        let first = film.samples;
+        let last = options.samples.min(first.saturating_add(pass_samples));
+        let row = |(y, row): (usize, &mut [PixelSum])| {
+            let mut counts = [0, 0];
+            for (x, sum) in row.iter_mut().enumerate() {
+                for index in first..last {
+                    let [rays, rejected] = sample(sum, x as u32, y as u32, index);
+                    counts[0] += rays;
+                    counts[1] += rejected;
+                }
+            }
+            counts
+        };
+        let [pass_rays, rejected] = film
+            .pixels
+            .par_chunks_mut(film.width as usize)
+            .enumerate()
+            .map(row)
+            .reduce(|| [0, 0], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        rays += pass_rays;
+        film.rejected += rejected;
+        film.samples = last;
+        if progress(&Progress { film, rays, elapsed: start.elapsed() }).is_break() {
+            break;
+        }
+        let fast = pass_start.elapsed() < PASS_TIME / 2;
+        pass_samples = if fast { pass_samples * 2 } else { pass_samples };
+    }
+}
+
+/// Passes get longer until they take between half of this and twice as much.
+const PASS_TIME: Duration = Duration::from_millis(500);
+
+/// True if no surface of the scene lets rays through unscattered.
+fn is_opaque(scene: &Scene) -> bool {
+    let image_is_opaque = |texture: &Option<u32>| {
+        texture.is_none_or(|texture| match &scene.textures[texture as usize].pixels {
+            Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
+            Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
+        })
+    };
+    scene.materials.iter().all(|m| m.opacity >= 1.0 && image_is_opaque(&m.color_tex))
+        && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
 }

@@ -6,6 +6,11 @@ use crate::float::{accept, round, rounding_error};
 use crate::{Aabb, Hit, Ray};
 
 /// A segment that a ray hits where the two come closest, if that is within the radius there.
+///
+/// "Closest" is between two whole lines. Where that point of the segment's line is beyond an end, the end
+/// takes its place but the point of the ray stays, as in yocto-gl. A ribbon so ends in a cap that is
+/// round seen from the side and shrinks as the ray turns along the axis, and a ray from one segment of a
+/// chain does not meet the cap of the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// The first end.
@@ -26,8 +31,8 @@ struct Root {
 }
 
 impl Line {
-    /// The closest approach of the ray's line and the segment, if it has `t` in `t_min..=t_max` and lies
-    /// within the radius, interpolated along the segment.
+    /// Where the ray's line comes closest to the segment's line, if that has `t` in `t_min..=t_max` and
+    /// the segment lies within the radius, interpolated along it.
     ///
     /// `parameters` is `(s, d / r)`: the place on the segment, and the distance over the radius there.
     /// The position of the hit is the point of the segment; the normal faces the ray, across the segment.
@@ -70,25 +75,22 @@ impl Line {
         let f = self.p0.as_dvec3() - ray.origin.as_dvec3();
         let g = d.cross(e);
         let determinant = g.dot(g);
-        // Closest points of two lines; then the segment ends, and the ray follows.
+        // Closest points of two lines; then the segment ends.
         let s = (f.cross(d).dot(g) / determinant).clamp(0.0, 1.0);
-        let x = f + s * e;
-        let a = d.dot(d);
-        let w = x.cross(d);
+        let t = f.cross(e).dot(g) / determinant;
+        // From the point of the ray to the point of the segment.
+        let x = f + s * e - t * d;
+        let distance2 = x.dot(x);
         let r = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
         // Written so that a NaN, and with it a zero determinant, fails.
-        if !(w.dot(w) <= a * r * r && r > 0.0 && determinant > 0.0) {
+        if !(distance2 <= r * r && r > 0.0 && determinant > 0.0) {
             return None;
         }
-        let t = accept(ray, x.dot(d) / a)?;
+        let t = accept(ray, t)?;
         // A ray that has just left the segment comes closest near its start: see `Point`.
         let start = 4.0 * f64::from(rounding_error(self.p0.abs().max(self.p1.abs())));
         let nearest = f + e * (-f.dot(e) / e.dot(e)).clamp(0.0, 1.0);
-        (nearest.dot(nearest) > start * start).then(|| Root {
-            t,
-            s,
-            across: (w.dot(w) / a).sqrt() / r,
-        })
+        (nearest.dot(nearest) > start * start).then(|| Root { t, s, across: distance2.sqrt() / r })
     }
 
     #[inline]

@@ -4,7 +4,7 @@ use super::{position::transform_normal, weights::Weights};
 use crate::{
     Elements, MaterialKind, Method, Scene, SceneHit, Shape, Texture, primitive::Primitive,
 };
-use glam::{Vec2, Vec3};
+use glam::{Mat3A, Vec2, Vec3};
 
 impl Scene {
     /// The normal that light scatters about, of unit length. `outgoing` points to the viewer and need
@@ -14,7 +14,7 @@ impl Scene {
     /// | --- | --- | --- |
     /// | point | `outgoing` | of the sphere |
     /// | line | `outgoing`, made orthogonal to the interpolated tangent | of the cone |
-    /// | triangle, quad | of the vertices, else of the face; then the normal map | the same, of the patch |
+    /// | triangle, quad | of the vertices, else of the face (of a quad the mean of its two triangles); then the normal map | the same, of the patch |
     ///
     /// Refractive surfaces keep their side, for it tells in from out; all others turn to the viewer.
     ///
@@ -45,7 +45,8 @@ impl Scene {
                     .of(&shape.normals)
                     .map_or(Vec3::ZERO, |normal| transform_normal(matrix, normal));
                 // Vertices without a normal, or with normals that cancel, leave it to the face.
-                let normal = if smooth == Vec3::ZERO { hit.normal } else { smooth };
+                let normal =
+                    if smooth == Vec3::ZERO { face_normal(shape, hit, matrix) } else { smooth };
                 match material.normal_tex {
                     Some(index) => {
                         let map = &self.textures[index as usize];
@@ -91,6 +92,15 @@ impl Scene {
         }
         (x * bent.x + y * bent.y + normal * bent.z).normalize_or(normal)
     }
+}
+
+/// The normal of a face: two triangles that stand for a quad share the mean of theirs, as in yocto-gl.
+fn face_normal(shape: &Shape, hit: &SceneHit, matrix: &Mat3A) -> Vec3 {
+    let Primitive::Quad(quad) = shape.primitive(hit.element) else { return hit.normal };
+    let of_triangle = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).normalize_or_zero();
+    let sum = of_triangle(quad.p0, quad.p1, quad.p3) + of_triangle(quad.p2, quad.p3, quad.p1);
+    let mean = transform_normal(matrix, sum);
+    if mean == Vec3::ZERO { hit.normal } else { mean }
 }
 
 impl Shape {

@@ -1,0 +1,216 @@
+//! What surfaces do with light: one [`Bsdf`] per shading point.
+//!
+//! | material | lobes |
+//! | --- | --- |
+//! | matte | Lambert |
+//! | glossy | GGX with dielectric Fresnel; Lambert weighted by 1 - F(normal, outgoing) |
+//! | reflective | GGX with conductor Fresnel, or a mirror |
+//! | refractive | GGX with dielectric Fresnel, reflected and refracted, or a smooth boundary |
+//!
+//! Values include the cosine of the incoming direction. Refraction does not scale radiance by the
+//! squared ratio of indices: along every path that leaves a solid again the factors cancel.
+
+mod frame;
+pub mod fresnel;
+pub mod microfacet;
+mod rough_glass;
+
+use crate::warp;
+use frame::Frame;
+use glam::{Vec2, Vec3};
+use rotund_scene::{MaterialKind, MaterialPoint};
+use std::f32::consts::FRAC_1_PI;
+
+/// How a surface point scatters the light that leaves towards one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf {
+    frame: Frame,
+    /// Local, on the upper side.
+    outgoing: Vec3,
+    lobes: Lobes,
+}
+
+/// What a direction contributes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfValue {
+    /// The BSDF times the cosine between incoming direction and normal.
+    pub value: Vec3,
+    /// Density of [`Bsdf::sample`] per solid angle.
+    pub pdf: f32,
+}
+
+/// A sampled direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// Towards the light, of unit length, in world space.
+    pub incoming: Vec3,
+    /// The BSDF times the cosine over the density.
+    pub weight: Vec3,
+    /// Density per solid angle, or none if the direction is one of a discrete few.
+    pub pdf: Option<f32>,
+}
+
+/// The terms of the materials, with what does not depend on the incoming direction.
+#[derive(Clone, Copy, Debug)]
+enum Lobes {
+    Matte { color: Vec3 },
+    Glossy { alpha: f32, eta: f32, base: Vec3, specular_chance: f32 },
+    Metal { alpha: f32, color: Vec3 },
+    Mirror { color: Vec3 },
+    RoughGlass { alpha: f32, eta: f32 },
+    Glass { eta: f32 },
+}
+
+const NOTHING: BsdfValue = BsdfValue { value: Vec3::ZERO, pdf: 0.0 };
+
+impl Bsdf {
+    /// `normal` is the shading normal, `outgoing` points to the eye; both have unit length. Only
+    /// for a refractive material does the side matter that `normal` points to: out of the solid.
+    #[must_use]
+    pub fn new(material: &MaterialPoint, normal: Vec3, outgoing: Vec3) -> Self {
+        let &MaterialPoint { kind, color, alpha, ior, .. } = material;
+        let inside = normal.dot(outgoing) < 0.0;
+        let frame = Frame::new(if inside { -normal } else { normal });
+        let mut local = frame.local_from_world(outgoing);
+        // Exactly grazing: the limit from above, so that no term divides by zero.
+        local.z = local.z.max(f32::MIN_POSITIVE.sqrt());
+        let lobes = match kind {
+            MaterialKind::Matte => Lobes::Matte { color },
+            MaterialKind::Glossy => {
+                let reflected = fresnel::dielectric(ior, local.z);
+                let base = (1.0 - reflected) * color;
+                let sum = reflected + base.max_element();
+                let specular_chance = if sum > 0.0 { reflected / sum } else { 1.0 };
+                Lobes::Glossy { alpha, eta: ior, base, specular_chance }
+            }
+            MaterialKind::Reflective if alpha == 0.0 => Lobes::Mirror { color },
+            MaterialKind::Reflective => Lobes::Metal { alpha, color },
+            MaterialKind::Refractive => {
+                let eta = if inside { 1.0 / ior } else { ior };
+                // Without a step in the index there is no rough boundary either. Nearer than 2^-10
+                // the half vector, a difference of directions, would lose more than 10 of its bits.
+                if alpha == 0.0 || (eta - 1.0).abs() < 1.0 / 1024.0 {
+                    Lobes::Glass { eta }
+                } else {
+                    Lobes::RoughGlass { alpha, eta }
+                }
+            }
+        };
+        Self { frame, outgoing: local, lobes }
+    }
+
+    /// True if light comes from a discrete few directions, which only [`Bsdf::sample`] finds.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        matches!(self.lobes, Lobes::Mirror { .. } | Lobes::Glass { .. })
+    }
+
+    /// Value and density for light from `incoming`, of unit length; zero for a delta lobe.
+    #[must_use]
+    pub fn eval(&self, incoming: Vec3) -> BsdfValue {
+        self.eval_local(self.frame.local_from_world(incoming))
+    }
+
+    fn eval_local(&self, incoming: Vec3) -> BsdfValue {
+        let outgoing = self.outgoing;
+        if let Lobes::RoughGlass { alpha, eta } = self.lobes {
+            return rough_glass::eval(alpha, eta, outgoing, incoming);
+        }
+        if incoming.z <= 0.0 {
+            return NOTHING;
+        }
+        match self.lobes {
+            Lobes::Matte { color } => {
+                let cosine = FRAC_1_PI * incoming.z;
+                BsdfValue { value: color * cosine, pdf: cosine }
+            }
+            Lobes::Glossy { alpha, eta, base, specular_chance } => {
+                let half = (outgoing + incoming).normalize();
+                let cosine = FRAC_1_PI * incoming.z;
+                let f = fresnel::dielectric(eta, incoming.dot(half));
+                let specular = f * microfacet::reflection(alpha, outgoing, incoming, half);
+                let specular_pdf = reflection_pdf(alpha, outgoing, half);
+                BsdfValue {
+                    value: base * cosine + specular,
+                    pdf: specular_chance * specular_pdf + (1.0 - specular_chance) * cosine,
+                }
+            }
+            Lobes::Metal { alpha, color } => {
+                let half = (outgoing + incoming).normalize();
+                let f = fresnel::conductor(color, incoming.dot(half));
+                BsdfValue {
+                    value: f * microfacet::reflection(alpha, outgoing, incoming, half),
+                    pdf: reflection_pdf(alpha, outgoing, half),
+                }
+            }
+            Lobes::RoughGlass { .. } | Lobes::Mirror { .. } | Lobes::Glass { .. } => NOTHING,
+        }
+    }
+
+    /// Draws an incoming direction: `choice` picks the lobe, `u` the direction in it. None if the
+    /// surface absorbs the path.
+    #[must_use]
+    pub fn sample(&self, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        let outgoing = self.outgoing;
+        let mirrored = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
+        let delta = |incoming: Vec3, weight: Vec3| {
+            let incoming = self.frame.world_from_local(incoming);
+            Some(BsdfSample { incoming, weight, pdf: None })
+        };
+        let incoming = match self.lobes {
+            Lobes::Matte { .. } => warp::cosine_hemisphere(u),
+            Lobes::Glossy { alpha, specular_chance, .. } => {
+                if choice < specular_chance {
+                    reflect(outgoing, microfacet::sample(alpha, outgoing, u))
+                } else {
+                    warp::cosine_hemisphere(u)
+                }
+            }
+            Lobes::Metal { alpha, .. } => reflect(outgoing, microfacet::sample(alpha, outgoing, u)),
+            Lobes::RoughGlass { alpha, eta } => {
+                rough_glass::sample(alpha, eta, outgoing, choice, u)?
+            }
+            Lobes::Mirror { color } => {
+                return delta(mirrored, fresnel::conductor(color, outgoing.z));
+            }
+            Lobes::Glass { eta } => {
+                return if choice < fresnel::dielectric(eta, outgoing.z) {
+                    delta(mirrored, Vec3::ONE)
+                } else {
+                    delta(refract(eta, outgoing, Vec3::Z)?, Vec3::ONE)
+                };
+            }
+        };
+        // Not positive also if NaN.
+        let BsdfValue { value, pdf } = self.eval_local(incoming);
+        (pdf > 0.0 && pdf.is_finite()).then(|| BsdfSample {
+            incoming: self.frame.world_from_local(incoming),
+            weight: value / pdf,
+            pdf: Some(pdf),
+        })
+    }
+}
+
+/// The mirror image of `direction` about `half`; both point away from the surface.
+fn reflect(direction: Vec3, half: Vec3) -> Vec3 {
+    2.0 * direction.dot(half) * half - direction
+}
+
+/// Where light comes from beyond a boundary with normal `half` that leaves towards `outgoing`; none
+/// if the boundary reflects everything. `eta` is the index beyond over the index on this side.
+fn refract(eta: f32, outgoing: Vec3, half: Vec3) -> Option<Vec3> {
+    let cosine = outgoing.dot(half);
+    let transmitted2 = 1.0 - (1.0 - cosine * cosine).max(0.0) / (eta * eta);
+    (transmitted2 > 0.0)
+        .then(|| ((cosine / eta - transmitted2.sqrt()) * half - outgoing / eta).normalize())
+}
+
+/// Density of reflected directions when visible facets are drawn.
+fn reflection_pdf(alpha: f32, outgoing: Vec3, half: Vec3) -> f32 {
+    // microfacet::pdf over the Jacobian 4 (outgoing . half), of which the dot product cancels.
+    if outgoing.dot(half) <= 0.0 {
+        return 0.0;
+    }
+    microfacet::visible(alpha, outgoing) * microfacet::distribution(alpha, half)
+        / (4.0 * outgoing.z)
+}

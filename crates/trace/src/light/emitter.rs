@@ -1,0 +1,242 @@
+//! One element of an emissive instance.
+
+use super::flat::{self, SurfacePoint};
+use super::round::{Ball, Cone, Density, RoundPoint};
+use super::tree::Extent;
+use super::{LightSource, luminance};
+use glam::{Affine3A, Vec2, Vec3};
+use rotund_geometry::{Aabb, UNIT_ROUNDOFF};
+use rotund_scene::{Elements, Instance, Method, Scene, SceneHit, Shape};
+
+/// An element that shines, in world space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Emitter {
+    surface: Surface,
+    instance: u32,
+    element: u32,
+    /// Radiance, if it is the same all over the element.
+    even: Option<Vec3>,
+    power: f32,
+}
+
+/// A drawn point of an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EmitterPoint {
+    pub(super) source: LightSource,
+    /// What the element calls the point.
+    pub(super) uv: Vec2,
+    /// Density per solid angle.
+    pub(super) pdf: f32,
+}
+
+/// The surfaces that points are drawn from.
+#[derive(Clone, Copy, Debug)]
+enum Surface {
+    Triangle([Vec3; 3]),
+    TwoTriangles([Vec3; 4]),
+    /// `p00 p10 p01 p11`.
+    Patch([Vec3; 4]),
+    Ball(Ball),
+    Cone(Cone),
+    /// Nothing is drawn from it.
+    None,
+}
+
+/// Emitters of all elements of an instance, in order; none if its material does not shine.
+pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
+    let instance = &scene.instances[index as usize];
+    let material = &scene.materials[instance.material as usize];
+    if material.emission.max_element() <= 0.0 {
+        return None;
+    }
+    let shape = &scene.shapes[instance.shape as usize];
+    let varies =
+        material.emission_tex.is_some() || material.color_tex.is_some() || !shape.colors.is_empty();
+    let emitter = |element: u32| {
+        let surface = surface(shape, instance, element as usize);
+        let mut emitter = Emitter { surface, instance: index, element, even: None, power: 0.0 };
+        let area = emitter.area();
+        if area > 0.0 && area.is_finite() {
+            let mean = emitter.mean_radiance(scene, varies);
+            emitter.even = (!varies).then_some(mean);
+            emitter.power = luminance(mean) * area;
+        }
+        emitter
+    };
+    Some((0..shape.elements.count() as u32).map(emitter).collect())
+}
+
+fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
+    let frame = &instance.world_from_object;
+    let object = |vertex: u32| shape.positions[vertex as usize];
+    let world = |vertex: u32| frame.transform_point3(object(vertex));
+    let radius = |vertex: u32| shape.radii[vertex as usize];
+    match (&shape.elements, shape.method) {
+        (Elements::Triangles(triangles), _) => Surface::Triangle(triangles[element].map(world)),
+        (Elements::Quads(quads), Method::Vanilla) => {
+            Surface::TwoTriangles(quads[element].map(world))
+        }
+        (Elements::Quads(quads), Method::Enhanced) => {
+            let [p00, p10, p11, p01] = quads[element].map(world);
+            Surface::Patch([p00, p10, p01, p11])
+        }
+        (Elements::Points(_) | Elements::Lines(_), Method::Vanilla) => Surface::None,
+        (Elements::Points(_), Method::Enhanced) => scale(frame).map_or(Surface::None, |scale| {
+            let vertex = element as u32;
+            Surface::Ball(Ball { center: world(vertex), radius: scale * radius(vertex) })
+        }),
+        (Elements::Lines(lines), Method::Enhanced) => scale(frame).map_or(Surface::None, |scale| {
+            let balls = lines[element]
+                .map(|vertex| Ball { center: world(vertex), radius: scale * radius(vertex) });
+            match Cone::try_new(balls) {
+                Some(cone) => Surface::Cone(cone),
+                // The larger ball holds the other.
+                None if balls[0].radius >= balls[1].radius => Surface::Ball(balls[0]),
+                None => Surface::Ball(balls[1]),
+            }
+        }),
+    }
+}
+
+/// How much a map enlarges, if it enlarges all directions the same.
+fn scale(frame: &Affine3A) -> Option<f32> {
+    let axes = frame.matrix3;
+    let lengths2 = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.length_squared());
+    let mean = (lengths2.iter().sum::<f32>() / 3.0).sqrt();
+    // Frames in files are rounded to six digits or so.
+    let near = |x: f32, y: f32| (x - y).abs() <= 1e-5 * mean * mean;
+    let same = lengths2.iter().all(|&l| near(l, mean * mean))
+        && near(axes.x_axis.dot(axes.y_axis), 0.0)
+        && near(axes.y_axis.dot(axes.z_axis), 0.0)
+        && near(axes.z_axis.dot(axes.x_axis), 0.0);
+    same.then_some(mean)
+}
+
+impl Emitter {
+    fn area(&self) -> f32 {
+        match &self.surface {
+            Surface::Triangle([p0, p1, p2]) => 0.5 * (p1 - p0).cross(p2 - p0).length(),
+            Surface::TwoTriangles(corners) => flat::triangle_areas(*corners).iter().sum(),
+            Surface::Patch(corners) => {
+                let [p00, p10, p01, p11] = *corners;
+                flat::triangle_areas([p00, p10, p11, p01]).iter().sum()
+            }
+            Surface::Ball(ball) => ball.area(),
+            Surface::Cone(cone) => cone.area(),
+            Surface::None => 0.0,
+        }
+    }
+
+    /// The radiance that leaves towards any direction; what lets rays through shines less.
+    pub(super) fn radiance(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+        self.even.unwrap_or_else(|| {
+            let material = scene.eval_material(self.instance, self.element, uv);
+            material.opacity * material.emission
+        })
+    }
+
+    /// Where it varies, of a few points: this only guides the choice of emitters.
+    fn mean_radiance(&self, scene: &Scene, varies: bool) -> Vec3 {
+        const STEPS: u16 = 4;
+        let at = |uv| self.radiance(scene, uv);
+        if !varies {
+            return at(Vec2::splat(0.25));
+        }
+        let place = |i: u16| (f32::from(i) + 0.5) / f32::from(STEPS);
+        let grid = (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| Vec2::new(place(i), place(j))));
+        grid.map(at).sum::<Vec3>() / f32::from(STEPS * STEPS)
+    }
+
+    /// What the tree of lights needs to know.
+    pub(super) fn extent(&self) -> Extent {
+        let (bounds, normal) = match &self.surface {
+            Surface::Triangle(corners) => {
+                let [p0, p1, p2] = *corners;
+                (Aabb::from_points(*corners), (p1 - p0).cross(p2 - p0).normalize_or_zero())
+            }
+            Surface::TwoTriangles(corners) => {
+                (Aabb::from_points(*corners), shared_normal(*corners))
+            }
+            Surface::Patch(corners) => {
+                let [p00, p10, p01, p11] = *corners;
+                (Aabb::from_points(*corners), shared_normal([p00, p10, p11, p01]))
+            }
+            Surface::Ball(ball) => (ball_bounds(ball), Vec3::ZERO),
+            Surface::Cone(cone) => {
+                let [b0, b1] = &cone.balls;
+                (ball_bounds(b0).union(ball_bounds(b1)), Vec3::ZERO)
+            }
+            Surface::None => (Aabb::EMPTY, Vec3::ZERO),
+        };
+        Extent { bounds, power: self.power, normal }
+    }
+
+    /// Draws a point that may be seen from `from`; none if it cannot be seen.
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterPoint> {
+        let surface_point = |point: SurfacePoint| {
+            let SurfacePoint { position, normal, uv, pdf_area } = point;
+            let pdf = solid_angle_density(Density::Area(pdf_area), from, position, normal);
+            EmitterPoint { source: self.source(position, normal), uv, pdf }
+        };
+        let round_point = |point: RoundPoint| {
+            let RoundPoint { position, normal, density } = point;
+            let source = self.source(position, normal);
+            let pdf = solid_angle_density(density, from, position, normal);
+            EmitterPoint { source, uv: Vec2::ZERO, pdf }
+        };
+        let point = match &self.surface {
+            Surface::Triangle(corners) => surface_point(flat::triangle(*corners, u)?),
+            Surface::TwoTriangles(corners) => surface_point(flat::two_triangles(*corners, u)?),
+            Surface::Patch(corners) => surface_point(flat::patch(*corners, u)?),
+            Surface::Ball(ball) => round_point(ball.sample(from, u)),
+            Surface::Cone(cone) => round_point(cone.sample(from, u)?),
+            Surface::None => return None,
+        };
+        (point.pdf > 0.0 && point.pdf.is_finite()).then_some(point)
+    }
+
+    /// The density per solid angle with which [`Self::sample`] draws a point that a ray hit.
+    pub(super) fn pdf(&self, from: Vec3, hit: &SceneHit) -> f32 {
+        let density = match &self.surface {
+            Surface::Triangle(_) | Surface::TwoTriangles(_) => Density::Area(1.0 / self.area()),
+            Surface::Patch(corners) => Density::Area(flat::patch_pdf(*corners, hit.uv)),
+            Surface::Ball(ball) => ball.density(from),
+            Surface::Cone(cone) => cone.density(from, hit.position),
+            Surface::None => return 0.0,
+        };
+        solid_angle_density(density, from, hit.position, hit.normal)
+    }
+
+    /// All that is computed from corners or centers takes fewer than ten roundings, each relative to
+    /// the largest coordinate in play.
+    fn source(&self, position: Vec3, normal: Vec3) -> LightSource {
+        let bounds = self.extent().bounds;
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+        LightSource { position, normal, error: 10.0 * UNIT_ROUNDOFF * size }
+    }
+}
+
+fn ball_bounds(ball: &Ball) -> Aabb {
+    let r = Vec3::splat(ball.radius);
+    Aabb { min: ball.center - r, max: ball.center + r }
+}
+
+/// The normal of a quad if it is flat, else zero.
+fn shared_normal([p0, p1, p2, p3]: [Vec3; 4]) -> Vec3 {
+    let a = (p1 - p0).cross(p3 - p0).normalize_or_zero();
+    let b = (p3 - p2).cross(p1 - p2).normalize_or_zero();
+    // A triangle as a quad has one side without a normal.
+    if b == Vec3::ZERO || a.dot(b) > 1.0 - 1e-5 { a } else { Vec3::ZERO }
+}
+
+/// The density per solid angle, seen from `from`, of a point that was drawn with `density`.
+fn solid_angle_density(density: Density, from: Vec3, position: Vec3, normal: Vec3) -> f32 {
+    match density {
+        Density::SolidAngle(pdf) => pdf,
+        Density::Area(pdf) => {
+            let to = position - from;
+            let distance2 = to.length_squared();
+            pdf * distance2 * distance2.sqrt() / to.dot(normal).abs()
+        }
+    }
+}

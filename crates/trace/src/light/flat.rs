@@ -1,0 +1,102 @@
+//! Drawing from flat and ruled emitters: triangles, pairs of triangles, parallelograms and bilinear
+//! patches.
+
+use crate::warp;
+use glam::{Vec2, Vec3};
+
+/// A point on an emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SurfacePoint {
+    pub(super) position: Vec3,
+    /// Of unit length; which side does not matter.
+    pub(super) normal: Vec3,
+    /// What the element calls the point.
+    pub(super) uv: Vec2,
+    /// Density per area.
+    pub(super) pdf_area: f32,
+}
+
+/// A point of the triangle, uniform by area. Its `uv` weigh the second and third corner.
+pub(super) fn triangle(corners: [Vec3; 3], u: Vec2) -> Option<SurfacePoint> {
+    let [p0, p1, p2] = corners;
+    let (e1, e2) = (p1 - p0, p2 - p0);
+    let cross = e1.cross(e2);
+    let uv = warp::triangle(u);
+    Some(SurfacePoint {
+        position: p0 + uv.x * e1 + uv.y * e2,
+        normal: cross.try_normalize()?,
+        uv,
+        pdf_area: 2.0 / cross.length(),
+    })
+}
+
+/// Areas of the two triangles of a quad, `p0 p1 p3` and `p2 p3 p1`.
+pub(super) fn triangle_areas([p0, p1, p2, p3]: [Vec3; 4]) -> [f32; 2] {
+    [(p1 - p0).cross(p3 - p0), (p3 - p2).cross(p1 - p2)].map(|cross| 0.5 * cross.length())
+}
+
+/// A point of a quad that stands for two triangles, uniform by area.
+pub(super) fn two_triangles(corners: [Vec3; 4], u: Vec2) -> Option<SurfacePoint> {
+    let [p0, p1, p2, p3] = corners;
+    let areas = triangle_areas(corners);
+    let share = areas[0] / (areas[0] + areas[1]);
+    let point = if u.x < share {
+        triangle([p0, p1, p3], Vec2::new(u.x / share, u.y))?
+    } else {
+        let mut point = triangle([p2, p3, p1], Vec2::new((u.x - share) / (1.0 - share), u.y))?;
+        point.uv = 1.0 - point.uv;
+        point
+    };
+    Some(SurfacePoint { pdf_area: 1.0 / (areas[0] + areas[1]), ..point })
+}
+
+/// Tangents of a bilinear patch `p00 p10 p01 p11` along u and v.
+fn tangents([p00, p10, p01, p11]: [Vec3; 4], uv: Vec2) -> [Vec3; 2] {
+    [(p10 - p00).lerp(p11 - p01, uv.y), (p01 - p00).lerp(p11 - p10, uv.x)]
+}
+
+/// Area of a patch per area of its parameters at `p00 p10 p01 p11`.
+fn corner_stretch(corners: [Vec3; 4]) -> [f32; 4] {
+    [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|uv| {
+        let [du, dv] = tangents(corners, uv);
+        du.cross(dv).length()
+    })
+}
+
+/// Density per area at `uv` of [`patch`].
+///
+/// Parameters are drawn in proportion to the area per area of parameters, interpolated from the
+/// corners. That is exactly uniform by area for a parallelogram, nearly so for a gentle patch.
+pub(super) fn patch_pdf(corners: [Vec3; 4], uv: Vec2) -> f32 {
+    let [w00, w10, w01, w11] = corner_stretch(corners);
+    let [du, dv] = tangents(corners, uv);
+    let lower = w00 + uv.x * (w10 - w00);
+    let upper = w01 + uv.x * (w11 - w01);
+    let weight = lower + uv.y * (upper - lower);
+    4.0 * weight / ((w00 + w10 + w01 + w11) * du.cross(dv).length())
+}
+
+/// A point of a patch `p00 p10 p01 p11`.
+pub(super) fn patch(corners: [Vec3; 4], u: Vec2) -> Option<SurfacePoint> {
+    let [p00, p10, p01, p11] = corners;
+    let [w00, w10, w01, w11] = corner_stretch(corners);
+    let y = linear(w00 + w10, w01 + w11, u.y);
+    let x = linear(w00 + y * (w01 - w00), w10 + y * (w11 - w10), u.x);
+    let uv = Vec2::new(x, y);
+    let [du, dv] = tangents(corners, uv);
+    Some(SurfacePoint {
+        position: p00.lerp(p10, x).lerp(p01.lerp(p11, x), y),
+        normal: du.cross(dv).try_normalize()?,
+        uv,
+        pdf_area: patch_pdf(corners, uv),
+    })
+}
+
+/// A number in `0.0..=1.0` with density in proportion to a weight that goes linearly from `a` to `b`.
+pub(super) fn linear(a: f32, b: f32, u: f32) -> f32 {
+    if a + b <= 0.0 {
+        return u;
+    }
+    // The root of (b - a) x² / 2 + a x = u (a + b) / 2, written so that it cannot cancel.
+    (u * (a + b) / (a + (a * a + u * (b * b - a * a)).max(0.0).sqrt())).min(1.0)
+}

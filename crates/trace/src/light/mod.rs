@@ -1,0 +1,144 @@
+//! Light sources, and how they are drawn.
+
+mod emitter;
+mod environment;
+mod flat;
+mod round;
+mod tree;
+
+use emitter::Emitter;
+use environment::EnvironmentLights;
+use glam::{Vec2, Vec3};
+use rotund_scene::{Scene, SceneHit};
+pub(crate) use tree::Receiver;
+use tree::{Extent, LightTree};
+
+/// All light sources of a scene, ready to be drawn from any point.
+#[derive(Clone, Debug)]
+pub struct Lights {
+    emitters: Vec<Emitter>,
+    tree: LightTree,
+    /// For each instance, where the emitters of its elements begin, if it has emitters.
+    first_emitter: Vec<Option<u32>>,
+    environments: EnvironmentLights,
+}
+
+/// A drawn direction to a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightSample {
+    /// Of unit length.
+    pub(crate) incoming: Vec3,
+    /// What arrives if nothing is in the way.
+    pub(crate) radiance: Vec3,
+    /// Per solid angle.
+    pub(crate) pdf: f32,
+    /// Where the light comes from; none is infinitely far away.
+    pub(crate) source: Option<LightSource>,
+}
+
+/// A point on an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightSource {
+    pub(crate) position: Vec3,
+    /// Bound on the distance from the exact surface.
+    pub(crate) error: f32,
+    pub(crate) normal: Vec3,
+}
+
+/// Relative luminance of linear Rec. 709 red, green and blue.
+pub(crate) fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+impl Lights {
+    /// Finds all that shines in a scene: every element of an instance whose material emits, and
+    /// every environment that an image makes uneven.
+    ///
+    /// Not drawn, but right all the same since paths that hit them count in full: vanilla points and
+    /// lines, whose surface depends on where they are seen from, spheres and cones under a
+    /// transform that makes them neither, and constant environments.
+    #[must_use]
+    pub fn build(scene: &Scene) -> Self {
+        let mut emitters = Vec::new();
+        let first_emitter = (0..scene.instances.len())
+            .map(|instance| {
+                let of_instance = emitter::of_instance(scene, instance as u32)?;
+                let first = emitters.len() as u32;
+                emitters.extend(of_instance);
+                Some(first)
+            })
+            .collect();
+        let extents: Vec<Extent> = emitters.iter().map(Emitter::extent).collect();
+        Self {
+            tree: LightTree::new(&extents),
+            emitters,
+            first_emitter,
+            environments: EnvironmentLights::new(scene),
+        }
+    }
+
+    /// The chance that an environment is drawn rather than an emitter.
+    fn environment_chance(&self, receiver: &Receiver) -> f32 {
+        // Both are estimates of irradiance; half of an environment is below the horizon.
+        let environments = 0.5 * self.environments.power();
+        let emitters = self.tree.importance(receiver);
+        if environments <= 0.0 {
+            0.0
+        } else if emitters <= 0.0 {
+            1.0
+        } else {
+            // Either estimate can be wrong, above all about occlusion.
+            (environments / (environments + emitters)).clamp(0.1, 0.9)
+        }
+    }
+
+    /// Draws a direction: `choice` picks the light, `u` the point on it.
+    pub(crate) fn sample(
+        &self,
+        scene: &Scene,
+        receiver: &Receiver,
+        choice: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        let environment_chance = self.environment_chance(receiver);
+        if choice < environment_chance {
+            let (incoming, pdf) = self.environments.sample(u)?;
+            return Some(LightSample {
+                incoming,
+                radiance: scene.eval_environment(incoming),
+                pdf: environment_chance * pdf,
+                source: None,
+            });
+        }
+        let choice = (choice - environment_chance) / (1.0 - environment_chance);
+        let (emitter, chance) = self.tree.choose(receiver, choice)?;
+        let emitter = &self.emitters[emitter as usize];
+        let point = emitter.sample(receiver.position, u)?;
+        Some(LightSample {
+            incoming: (point.source.position - receiver.position).try_normalize()?,
+            radiance: emitter.radiance(scene, point.uv),
+            pdf: (1.0 - environment_chance) * chance * point.pdf,
+            source: Some(point.source),
+        })
+    }
+
+    /// The density with which [`Self::sample`] would have found a direction that leads out of the
+    /// scene.
+    pub(crate) fn environment_pdf(&self, receiver: &Receiver, direction: Vec3) -> f32 {
+        self.environment_chance(receiver) * self.environments.pdf(direction)
+    }
+
+    /// The density per solid angle with which [`Self::sample`] would have found this point; zero
+    /// if it never does.
+    pub(crate) fn hit_pdf(&self, receiver: &Receiver, hit: &SceneHit) -> f32 {
+        let Some(first) = self.first_emitter[hit.instance as usize] else { return 0.0 };
+        let index = first + hit.element;
+        let emitter = &self.emitters[index as usize];
+        if emitter.extent().power <= 0.0 {
+            return 0.0;
+        }
+        (1.0 - self.environment_chance(receiver))
+            * self.tree.chance(receiver, index)
+            * emitter.pdf(receiver.position, hit)
+    }
+}

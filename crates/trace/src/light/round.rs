@@ -1,0 +1,241 @@
+//! Drawing from round emitters, only from the part that is seen.
+
+use super::flat::linear;
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// A point on a round emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RoundPoint {
+    pub(super) position: Vec3,
+    /// Outwards, of unit length.
+    pub(super) normal: Vec3,
+    pub(super) density: Density,
+}
+
+/// A density in one of two measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Density {
+    Area(f32),
+    SolidAngle(f32),
+}
+
+/// A ball.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub(super) center: Vec3,
+    pub(super) radius: f32,
+}
+
+impl Ball {
+    pub(super) fn area(&self) -> f32 {
+        2.0 * TAU * self.radius * self.radius
+    }
+
+    /// `1 - cos` of the half angle under which the ball is seen; none from inside.
+    fn aperture(&self, from: Vec3) -> Option<f32> {
+        let distance2 = self.center.distance_squared(from);
+        let sine2 = self.radius * self.radius / distance2;
+        (sine2 < 1.0).then(|| sine2 / (1.0 + (1.0 - sine2).sqrt()))
+    }
+
+    /// Density of [`Self::sample`]: even over the cone of directions that meet the ball, or over the
+    /// surface if seen from inside.
+    pub(super) fn density(&self, from: Vec3) -> Density {
+        match self.aperture(from) {
+            Some(aperture) => Density::SolidAngle(1.0 / (TAU * aperture)),
+            None => Density::Area(1.0 / self.area()),
+        }
+    }
+
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> RoundPoint {
+        let density = self.density(from);
+        let normal = match self.aperture(from) {
+            None => crate::warp::sphere(u),
+            Some(aperture) => {
+                let to_eye = (from - self.center).normalize();
+                let distance = self.center.distance(from);
+                // The angle at the eye, then the angle at the center by the law of sines.
+                let away = u.x * aperture;
+                let cosine = 1.0 - away;
+                let sine2 = away * (2.0 - away);
+                let sine_max2 = aperture * (2.0 - aperture);
+                let reach = distance * cosine - distance * (sine_max2 - sine2).max(0.0).sqrt();
+                let height = (distance - reach * cosine) / self.radius;
+                let side = reach * sine2.sqrt() / self.radius;
+                let (x, y) = to_eye.any_orthonormal_pair();
+                let around = Vec2::from_angle(TAU * u.y);
+                (height * to_eye + side * (around.x * x + around.y * y)).normalize()
+            }
+        };
+        RoundPoint { position: self.center + self.radius * normal, normal, density }
+    }
+}
+
+/// A rounded cone, the hull of two balls neither of which holds the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    pub(super) balls: [Ball; 2],
+    /// From the first center to the second, of unit length.
+    axis: Vec3,
+    length: f32,
+    /// Of the angle between the flank's normals and the plane across the axis.
+    sine: f32,
+    cosine: f32,
+}
+
+/// The parts of a cone's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    /// What the ball of this index shows.
+    Cap(usize),
+    Flank,
+}
+
+impl Cone {
+    /// None if one ball holds the other.
+    pub(super) fn try_new(balls: [Ball; 2]) -> Option<Self> {
+        let [b0, b1] = balls;
+        let length = b0.center.distance(b1.center);
+        let sine = (b0.radius - b1.radius) / length;
+        (sine.abs() < 1.0).then(|| Self {
+            balls,
+            axis: (b1.center - b0.center) / length,
+            length,
+            sine,
+            cosine: ((1.0 - sine) * (1.0 + sine)).sqrt(),
+        })
+    }
+
+    /// Areas of both caps and the flank.
+    fn areas(&self) -> [f32; 3] {
+        let [r0, r1] = self.balls.map(|ball| ball.radius);
+        [
+            TAU * r0 * r0 * (1.0 + self.sine),
+            TAU * r1 * r1 * (1.0 - self.sine),
+            // Mean circumference times slant height; both carry the cosine.
+            PI * (r0 + r1) * self.cosine * self.length * self.cosine,
+        ]
+    }
+
+    pub(super) fn area(&self) -> f32 {
+        self.areas().iter().sum()
+    }
+
+    /// Half the range of azimuths whose flank faces `from`, and the middle of the range.
+    ///
+    /// A plane that touches the flank touches both balls, so a generator with normal n is seen if
+    /// n . (from - p0) > r0; with n = cosine * radial + sine * axis that bounds the azimuth.
+    fn visible_flank(&self, from: Vec3) -> (f32, Vec3) {
+        let to = from - self.balls[0].center;
+        let along = to.dot(self.axis);
+        let across = to - along * self.axis;
+        let bound = (self.balls[0].radius - self.sine * along) / (self.cosine * across.length());
+        let middle = across.try_normalize().unwrap_or_else(|| self.axis.any_orthonormal_vector());
+        // On the axis the bound is infinite of either sign, or NaN where the cone has no flank.
+        (if bound.is_nan() { 0.0 } else { bound.clamp(-1.0, 1.0).acos() }, middle)
+    }
+
+    /// Visible areas of both caps and the flank, caps counted as half seen: the chances of the parts
+    /// before they are divided by their sum.
+    fn visible_areas(&self, from: Vec3) -> [f32; 3] {
+        let [cap0, cap1, flank] = self.areas();
+        let (half_range, _) = self.visible_flank(from);
+        [0.5 * cap0, 0.5 * cap1, flank * half_range / PI]
+    }
+
+    /// True if `from` is in the hull of the balls.
+    fn holds(&self, from: Vec3) -> bool {
+        let to = from - self.balls[0].center;
+        let along = to.dot(self.axis);
+        let across = (to - along * self.axis).length();
+        // Against the flank's normal from the point, the axis is met this far along.
+        let nearest = (along - across * self.sine / self.cosine).clamp(0.0, self.length);
+        let radius = self.balls[0].radius - self.sine * nearest;
+        (along - nearest).powi(2) + across * across <= radius * radius
+    }
+
+    fn part_at(&self, position: Vec3) -> Part {
+        let along = (position - self.balls[0].center).dot(self.axis);
+        if along < self.balls[0].radius * self.sine {
+            Part::Cap(0)
+        } else if along > self.length + self.balls[1].radius * self.sine {
+            Part::Cap(1)
+        } else {
+            Part::Flank
+        }
+    }
+
+    /// Density of [`Self::sample`] at a point of the surface.
+    pub(super) fn density(&self, from: Vec3, position: Vec3) -> Density {
+        if self.holds(from) {
+            return Density::Area(1.0 / self.area());
+        }
+        let areas = self.visible_areas(from);
+        let sum: f32 = areas.iter().sum();
+        match self.part_at(position) {
+            Part::Cap(index) => match self.balls[index].density(from) {
+                Density::Area(pdf) => Density::Area(areas[index] / sum * pdf),
+                Density::SolidAngle(pdf) => Density::SolidAngle(areas[index] / sum * pdf),
+            },
+            // Its chance over its visible area.
+            Part::Flank => Density::Area(1.0 / sum),
+        }
+    }
+
+    /// A point of the surface: even over the visible flank, and over the directions to the ball of a
+    /// cap; none if the ball shows another face there, which is inside of the cone.
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<RoundPoint> {
+        let inside = self.holds(from);
+        let areas = if inside { self.areas() } else { self.visible_areas(from) };
+        let sum: f32 = areas.iter().sum();
+        let place = u.x * sum;
+        let rest = |before: f32, area: f32| {
+            Vec2::new(((place - before) / area).clamp(0.0, 1.0_f32.next_down()), u.y)
+        };
+        let caps = areas[0] + areas[1];
+        if place >= caps && areas[2] > 0.0 {
+            let (half_range, middle) = if inside {
+                (PI, self.axis.any_orthonormal_vector())
+            } else {
+                self.visible_flank(from)
+            };
+            let [position, normal] = self.flank(rest(caps, areas[2]), half_range, middle);
+            return Some(RoundPoint { position, normal, density: Density::Area(1.0 / sum) });
+        }
+        let (index, before) = if place < areas[0] { (0, 0.0) } else { (1, areas[0]) };
+        let u = rest(before, areas[index]);
+        if inside {
+            let [position, normal] = self.cap(index, u);
+            return Some(RoundPoint { position, normal, density: Density::Area(1.0 / sum) });
+        }
+        let point = self.balls[index].sample(from, u);
+        (self.part_at(point.position) == Part::Cap(index))
+            .then(|| RoundPoint { density: self.density(from, point.position), ..point })
+    }
+
+    /// Position and normal, even over the azimuths within `half_range` of `middle`.
+    fn flank(&self, u: Vec2, half_range: f32, middle: Vec3) -> [Vec3; 2] {
+        let [b0, b1] = self.balls;
+        let along = linear(b0.radius, b1.radius, u.x);
+        let around = Vec2::from_angle((2.0 * u.y - 1.0) * half_range);
+        let radial = around.x * middle + around.y * self.axis.cross(middle);
+        let normal = (self.cosine * radial + self.sine * self.axis).normalize();
+        let center = b0.center + along * self.length * self.axis;
+        let radius = b0.radius + along * (b1.radius - b0.radius);
+        [center + radius * normal, normal]
+    }
+
+    /// Position and normal, even over the cap of one ball.
+    fn cap(&self, index: usize, u: Vec2) -> [Vec3; 2] {
+        let Ball { center, radius } = self.balls[index];
+        // Archimedes: area is even along the axis, here between the flank and the pole.
+        let pole = if index == 0 { -1.0 } else { 1.0 };
+        let height = self.sine + u.x * (pole - self.sine);
+        let side = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+        let (x, y) = self.axis.any_orthonormal_pair();
+        let around = Vec2::from_angle(TAU * u.y);
+        let normal = height * self.axis + side * (around.x * x + around.y * y);
+        [center + radius * normal, normal]
+    }
+}

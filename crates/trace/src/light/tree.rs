@@ -1,0 +1,224 @@
+//! Choosing one of many emitters by what it can add to the light at a point.
+//!
+//! Source: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree
+//! Splitting", HPG 2018; without the splitting.
+
+use glam::Vec3;
+use rotund_geometry::Aabb;
+
+/// What a group of emitters can do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub(super) bounds: Aabb,
+    /// Luminance times area.
+    pub(super) power: f32,
+    /// The normal they all share, either side of it, if they do; else zero.
+    pub(super) normal: Vec3,
+}
+
+/// A binary tree over emitters. Nodes stand in depth-first order; the root is node 0.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LightTree {
+    nodes: Vec<Node>,
+    /// For each emitter, the turns from the root to its leaf, first turn in the lowest bit.
+    trails: Vec<u64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    extent: Extent,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// The first child follows its parent; this is the second.
+    Fork(u32),
+    /// An emitter.
+    Leaf(u32),
+}
+
+/// Where light is wanted: the position and, unless light from below counts too, the normal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    pub(crate) position: Vec3,
+    pub(crate) normal: Option<Vec3>,
+}
+
+/// Deeper than this, groups are halved by count, so a trail has at most this and 32 turns.
+const GREEDY_DEPTH: usize = 30;
+/// How many places to split a group are compared along each axis.
+const BINS: usize = 12;
+
+impl LightTree {
+    /// Emitters without power are left out; nothing chooses them.
+    pub(super) fn new(emitters: &[Extent]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), trails: vec![0; emitters.len()] };
+        let mut members: Vec<u32> =
+            (0..emitters.len() as u32).filter(|&e| emitters[e as usize].power > 0.0).collect();
+        if !members.is_empty() {
+            tree.build(emitters, &mut members, 0, 0);
+        }
+        tree
+    }
+
+    fn build(&mut self, emitters: &[Extent], members: &mut [u32], depth: usize, trail: u64) {
+        let extent = members
+            .iter()
+            .map(|&e| emitters[e as usize])
+            .reduce(Extent::union)
+            .expect("a group has members");
+        let index = self.nodes.len();
+        if let &mut [emitter] = members {
+            self.nodes.push(Node { extent, kind: Kind::Leaf(emitter) });
+            self.trails[emitter as usize] = trail;
+            return;
+        }
+        self.nodes.push(Node { extent, kind: Kind::Fork(0) });
+        let middle = split(emitters, members, depth);
+        let (first, second) = members.split_at_mut(middle);
+        self.build(emitters, first, depth + 1, trail);
+        self.nodes[index].kind = Kind::Fork(self.nodes.len() as u32);
+        self.build(emitters, second, depth + 1, trail | 1 << depth);
+    }
+
+    /// A bound on the irradiance that all emitters together can cause, up to occlusion and up to
+    /// what nearness to an end of a group adds.
+    pub(super) fn importance(&self, receiver: &Receiver) -> f32 {
+        self.nodes.first().map_or(0.0, |root| root.extent.importance(receiver))
+    }
+
+    /// An emitter and its chance; none if none can light the receiver.
+    pub(super) fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
+        let mut index = 0;
+        let mut chance = 1.0;
+        loop {
+            match self.nodes.get(index)?.kind {
+                Kind::Leaf(emitter) => return Some((emitter, chance)),
+                Kind::Fork(second) => {
+                    let share = self.share_of_first(index, second, receiver)?;
+                    if u < share {
+                        u /= share;
+                        chance *= share;
+                        index += 1;
+                    } else {
+                        u = (u - share) / (1.0 - share);
+                        chance *= 1.0 - share;
+                        index = second as usize;
+                    }
+                    u = u.min(1.0_f32.next_down());
+                }
+            }
+        }
+    }
+
+    /// The chance that [`Self::choose`] takes this emitter, which must have power.
+    pub(super) fn chance(&self, receiver: &Receiver, emitter: u32) -> f32 {
+        let mut index = 0;
+        let mut chance = 1.0;
+        let mut trail = self.trails[emitter as usize];
+        while let Some(Node { kind: Kind::Fork(second), .. }) = self.nodes.get(index) {
+            let Some(share) = self.share_of_first(index, *second, receiver) else { return 0.0 };
+            if trail & 1 == 0 {
+                chance *= share;
+                index += 1;
+            } else {
+                chance *= 1.0 - share;
+                index = *second as usize;
+            }
+            trail >>= 1;
+        }
+        chance
+    }
+
+    fn share_of_first(&self, index: usize, second: u32, receiver: &Receiver) -> Option<f32> {
+        let a = self.nodes[index + 1].extent.importance(receiver);
+        let b = self.nodes[second as usize].extent.importance(receiver);
+        (a + b > 0.0).then(|| a / (a + b))
+    }
+}
+
+impl Extent {
+    fn union(self, other: Self) -> Self {
+        let together = self.normal.dot(other.normal).abs() > 1.0 - 1e-3;
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            power: self.power + other.power,
+            normal: if together { self.normal } else { Vec3::ZERO },
+        }
+    }
+
+    /// Zero only if no light can come.
+    fn importance(&self, receiver: &Receiver) -> f32 {
+        let center = self.bounds.center();
+        let radius2 = 0.25 * (self.bounds.max - self.bounds.min).length_squared();
+        let to = center - receiver.position;
+        let distance2 = to.length_squared();
+        let near = self.power / distance2.max(radius2).max(f32::MIN_POSITIVE);
+        if distance2 <= radius2 {
+            return near;
+        }
+        // The group is seen within this angle of its center.
+        let sine2 = radius2 / distance2;
+        let spread = [(1.0 - sine2).sqrt(), sine2.sqrt()];
+        let direction = to / distance2.sqrt();
+        let arriving = receiver
+            .normal
+            .map_or(1.0, |normal| widened_cosine(normal.dot(direction), spread).max(0.0));
+        let leaving = if self.normal == Vec3::ZERO {
+            1.0
+        } else {
+            widened_cosine(self.normal.dot(direction).abs(), spread)
+        };
+        near * arriving * leaving
+    }
+}
+
+/// The cosine of an angle less `[cosine, sine]` of another, or 1 if the other is larger: what a cosine
+/// can be at most within a cone.
+fn widened_cosine(cosine: f32, [spread_cosine, spread_sine]: [f32; 2]) -> f32 {
+    if cosine >= spread_cosine {
+        return 1.0;
+    }
+    let sine = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
+    cosine * spread_cosine + sine * spread_sine
+}
+
+/// Parts members in two groups that are not empty; returns the size of the first.
+fn split(emitters: &[Extent], members: &mut [u32], depth: usize) -> usize {
+    let center = |e: &u32| emitters[*e as usize].bounds.center();
+    let centers = Aabb::from_points(members.iter().map(center));
+    let mut best: Option<(f32, usize, f32)> = None;
+    if depth < GREEDY_DEPTH {
+        for axis in 0..3 {
+            let (low, high) = (centers.min[axis], centers.max[axis]);
+            for bin in 1..BINS {
+                let plane = low + (high - low) * (bin as f32 / BINS as f32);
+                let side = |first: bool| {
+                    members
+                        .iter()
+                        .filter(|&e| (center(e)[axis] < plane) == first)
+                        .map(|&e| emitters[e as usize])
+                        .reduce(Extent::union)
+                };
+                let (Some(a), Some(b)) = (side(true), side(false)) else { continue };
+                // Power times size: bright groups should be small. Groups that share a normal
+                // count less, as their importance is sharper.
+                let cost = |e: Extent| {
+                    let normals = if e.normal == Vec3::ZERO { 2.0 } else { 1.0 };
+                    e.power * normals * e.bounds.half_area()
+                };
+                let cost = cost(a) + cost(b);
+                if best.is_none_or(|(least, ..)| cost < least) {
+                    best = Some((cost, axis, plane));
+                }
+            }
+        }
+    }
+    if let Some((_, axis, plane)) = best {
+        // Small groups are sorted, which keeps the order of members, and so the tree, the same.
+        members.sort_by_key(|e| center(e)[axis] >= plane);
+        return members.partition_point(|e| center(e)[axis] < plane);
+    }
+    members.len() / 2
+}
