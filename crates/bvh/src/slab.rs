@@ -101,8 +101,16 @@ impl SlabRay {
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
         SlabLanes {
-            origin: self.origin.to_array().map(|x| simd.splat(x)),
-            inverse: self.inverse.map(|x| simd.splat(x)),
+            origin: [
+                simd.splat(self.origin.x),
+                simd.splat(self.origin.y),
+                simd.splat(self.origin.z),
+            ],
+            inverse: [
+                simd.splat(self.inverse[0]),
+                simd.splat(self.inverse[1]),
+                simd.splat(self.inverse[2]),
+            ],
             near: self.near,
             start: simd.splat(self.start),
             slack: simd.splat(SLACK),
@@ -121,17 +129,20 @@ pub(crate) struct SlabLanes<S: Simd> {
 }
 
 impl<S: Simd> SlabLanes<S> {
+    /// Where the ray meets the planes of a row.
+    #[inline(always)]
+    fn end(&self, simd: S, node: &Node, row: usize, axis: usize) -> S::Lanes {
+        let plane = simd.load(&node.planes[row]);
+        simd.mul(simd.sub(plane, self.origin[axis]), self.inverse[axis])
+    }
+
     /// Which children the ray meets up to `limit`, and where it enters each.
     #[inline(always)]
     pub(crate) fn test(&self, simd: S, node: &Node, limit: S::Lanes) -> (S::Lanes, u32) {
-        let end = |row: usize, axis: usize| {
-            let plane = simd.load(&node.planes[row]);
-            simd.mul(simd.sub(plane, self.origin[axis]), self.inverse[axis])
-        };
         let (mut near, mut far) = (self.start, limit);
         for axis in 0..3 {
-            near = simd.max(end(self.near[axis], axis), near);
-            far = simd.min(end(self.near[axis] ^ 1, axis), far);
+            near = simd.max(self.end(simd, node, self.near[axis], axis), near);
+            far = simd.min(self.end(simd, node, self.near[axis] ^ 1, axis), far);
         }
         let far = simd.mul_add(simd.abs(far), self.slack, far);
         (near, simd.mask_le(near, far))

@@ -15,7 +15,7 @@
 //!
 //! The hull of the balls has no point nearer along the ray than the nearer pole of the two balls.
 
-use super::kernel::{Block, Kernel, RoundLanes, dot};
+use super::kernel::{Block, Kernel, RoundLanes, dot, load3, neg_mul_add, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -67,16 +67,15 @@ impl Kernel for RoundedCone {
         block: &Block<8>,
         limit: f32,
     ) -> (u32, S::Lanes) {
-        let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref().map(|row| simd.load(row));
-        let first = ray.project(simd, [x0, y0, z0]);
-        let second = ray.project(simd, [x1, y1, z1]);
-        let axis: [S::Lanes; 3] =
-            std::array::from_fn(|i| simd.sub(first.beside[i], second.beside[i]));
+        let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref();
+        let first = ray.project(simd, load3(simd, [x0, y0, z0]));
+        let second = ray.project(simd, load3(simd, [x1, y1, z1]));
+        let (r0, r1) = (simd.load(r0), simd.load(r1));
+        let axis = sub(simd, first.beside, second.beside);
         let s = simd.div(dot(simd, first.beside, axis), dot(simd, axis, axis));
         // An axis along the ray gives NaN, and then zero.
         let s = simd.min(simd.max(s, simd.splat(0.0)), simd.splat(1.0));
-        let beside: [S::Lanes; 3] =
-            std::array::from_fn(|i| simd.neg_mul_add(s, axis[i], first.beside[i]));
+        let beside = neg_mul_add(simd, s, axis, first.beside);
         let distance = dot(simd, beside, beside);
         let radius = simd.max(r0, r1);
         let square = simd.mul_add(radius, radius, simd.splat(f32::MIN_POSITIVE));

@@ -9,6 +9,7 @@
 //! wrong by less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`, for which `2^-18 S (|z_0| + 4 S)` is enough, `z_0`
 //! being that of any one corner. Signs within that count as either.
 
+use super::kernel::{load3, splat, sub};
 use crate::simd::Simd;
 use crate::slab::SlabRay;
 use rotund_geometry::glam::Vec3;
@@ -36,12 +37,13 @@ impl<S: Simd> FlatLanes<S> {
         } else {
             [0, 1, 2]
         };
-        let [dx, dy, dz] = axes.map(|axis| ray.direction[axis]);
+        let pick = |v: Vec3| Vec3::from_array(axes.map(|axis| v[axis]));
+        let direction = pick(ray.direction);
         Self {
             axes,
-            origin: axes.map(|axis| simd.splat(ray.origin[axis])),
-            slope: [simd.splat(dx / dz), simd.splat(dy / dz)],
-            inverse: simd.splat(dz.recip()),
+            origin: splat(simd, pick(ray.origin)),
+            slope: [simd.splat(direction.x / direction.z), simd.splat(direction.y / direction.z)],
+            inverse: simd.splat(direction.z.recip()),
             start: simd.splat(ray.start),
         }
     }
@@ -49,8 +51,9 @@ impl<S: Simd> FlatLanes<S> {
     /// Loads a corner, given its three rows, and looks at it along the ray.
     #[inline(always)]
     pub(crate) fn corner(&self, simd: S, rows: &[[f32; 8]; 3]) -> Corner<S> {
-        let [x, y, z]: [S::Lanes; 3] =
-            std::array::from_fn(|i| simd.sub(simd.load(&rows[self.axes[i] % 3]), self.origin[i]));
+        let [x, y, z] = self.axes;
+        let picked = load3(simd, [&rows[x % 3], &rows[y % 3], &rows[z % 3]]);
+        let [x, y, z] = sub(simd, picked, self.origin);
         Corner {
             x: simd.neg_mul_add(z, self.slope[0], x),
             y: simd.neg_mul_add(z, self.slope[1], y),
@@ -68,12 +71,7 @@ impl<S: Simd> FlatLanes<S> {
     /// Which lanes have a part in the interval of the ray up to `limit`, and where the part begins at
     /// the earliest.
     #[inline(always)]
-    pub(crate) fn interval<const CORNERS: usize>(
-        &self,
-        simd: S,
-        corners: [Corner<S>; CORNERS],
-        limit: f32,
-    ) -> (u32, S::Lanes) {
+    pub(crate) fn interval(&self, simd: S, corners: &[Corner<S>], limit: f32) -> (u32, S::Lanes) {
         let (mut least, mut most) = (corners[0].z, corners[0].z);
         for corner in &corners[1..] {
             (least, most) = (simd.min(corner.z, least), simd.max(corner.z, most));

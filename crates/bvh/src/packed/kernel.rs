@@ -3,6 +3,7 @@
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
+use rotund_geometry::glam::Vec3;
 use rotund_geometry::{Aabb, Hit, Ray};
 
 /// Numbers of up to [`WIDTH`] primitives, one row per number. Lanes that are not used repeat the
@@ -72,8 +73,8 @@ impl<S: Simd> RoundLanes<S> {
     pub(crate) fn new(simd: S, ray: &SlabRay) -> Self {
         let inverse_square = ray.direction.length_squared().recip();
         Self {
-            origin: ray.origin.to_array().map(|x| simd.splat(x)),
-            direction: ray.direction.to_array().map(|x| simd.splat(x)),
+            origin: splat(simd, ray.origin),
+            direction: splat(simd, ray.direction),
             inverse_square: simd.splat(inverse_square),
             inverse_length: simd.splat(inverse_square.sqrt()),
             start: simd.splat(ray.start),
@@ -84,12 +85,12 @@ impl<S: Simd> RoundLanes<S> {
     /// of the line closest to it, and the vector from there to `p`.
     #[inline(always)]
     pub(crate) fn project(&self, simd: S, p: [S::Lanes; 3]) -> Projection<S> {
-        let [x, y, z]: [S::Lanes; 3] = std::array::from_fn(|i| simd.sub(p[i], self.origin[i]));
+        let [x, y, z] = sub(simd, p, self.origin);
         let [dx, dy, dz] = self.direction;
         let along = simd.mul_add(x, dx, simd.mul_add(y, dy, simd.mul(z, dz)));
         let t = simd.mul(along, self.inverse_square);
-        let square = simd.mul_add(x, x, simd.mul_add(y, y, simd.mul(z, z)));
-        let beside = [(x, dx), (y, dy), (z, dz)].map(|(from, d)| simd.neg_mul_add(t, d, from));
+        let square = dot(simd, [x, y, z], [x, y, z]);
+        let beside = neg_mul_add(simd, t, self.direction, [x, y, z]);
         Projection { square, t, beside }
     }
 }
@@ -100,8 +101,44 @@ pub(crate) struct Projection<S: Simd> {
     pub(crate) beside: [S::Lanes; 3],
 }
 
+// No closures here, as in all that is compiled once for each instruction set: a closure is compiled by
+// itself, without the instructions, and may then be found too large to inline.
+
 /// `a · b`.
 #[inline(always)]
 pub(crate) fn dot<S: Simd>(simd: S, a: [S::Lanes; 3], b: [S::Lanes; 3]) -> S::Lanes {
     simd.mul_add(a[0], b[0], simd.mul_add(a[1], b[1], simd.mul(a[2], b[2])))
+}
+
+/// `a - b`.
+#[inline(always)]
+pub(crate) fn sub<S: Simd>(simd: S, a: [S::Lanes; 3], b: [S::Lanes; 3]) -> [S::Lanes; 3] {
+    [simd.sub(a[0], b[0]), simd.sub(a[1], b[1]), simd.sub(a[2], b[2])]
+}
+
+/// `c - a b`.
+#[inline(always)]
+pub(crate) fn neg_mul_add<S: Simd>(
+    simd: S,
+    a: S::Lanes,
+    b: [S::Lanes; 3],
+    c: [S::Lanes; 3],
+) -> [S::Lanes; 3] {
+    [
+        simd.neg_mul_add(a, b[0], c[0]),
+        simd.neg_mul_add(a, b[1], c[1]),
+        simd.neg_mul_add(a, b[2], c[2]),
+    ]
+}
+
+/// One coordinate in all lanes, for each.
+#[inline(always)]
+pub(crate) fn splat<S: Simd>(simd: S, v: Vec3) -> [S::Lanes; 3] {
+    [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
+}
+
+/// Three rows.
+#[inline(always)]
+pub(crate) fn load3<S: Simd>(simd: S, rows: [&[f32; WIDTH]; 3]) -> [S::Lanes; 3] {
+    [simd.load(rows[0]), simd.load(rows[1]), simd.load(rows[2])]
 }

@@ -18,7 +18,7 @@
 //! The hits, in both forms, are within half a chord of `t`; the right side above minus the left
 //! bounds the half chord. The error of `t`, below `12 u D / |d|`, is covered by `2^-19 (|t| + r / |d|)`.
 
-use super::kernel::{Block, Kernel, RoundLanes, dot};
+use super::kernel::{Block, Kernel, RoundLanes, dot, load3};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -63,8 +63,9 @@ impl Kernel for Sphere {
         block: &Block<4>,
         limit: f32,
     ) -> (u32, S::Lanes) {
-        let [x, y, z, radius] = block.rows.each_ref().map(|row| simd.load(row));
-        let seen = ray.project(simd, [x, y, z]);
+        let [x, y, z, radius] = block.rows.each_ref();
+        let seen = ray.project(simd, load3(simd, [x, y, z]));
+        let radius = simd.load(radius);
         let distance = dot(simd, seen.beside, seen.beside);
         let square = simd.mul_add(radius, radius, simd.splat(f32::MIN_POSITIVE));
         let reach = simd.mul_add(

@@ -2,7 +2,7 @@
 //!
 //! The reject: the three signed areas, seen along the ray (`flat.rs`), do not have the same sign.
 
-use super::flat::{Corner, FlatLanes, area, largest_side};
+use super::flat::{FlatLanes, area, largest_side};
 use super::kernel::{Block, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -52,7 +52,9 @@ impl Kernel for Triangle {
         limit: f32,
     ) -> (u32, S::Lanes) {
         let (corners, _) = block.rows.as_chunks::<3>();
-        let [c0, c1, c2]: [Corner<S>; 3] = std::array::from_fn(|i| ray.corner(simd, &corners[i]));
+        let c0 = ray.corner(simd, &corners[0]);
+        let c1 = ray.corner(simd, &corners[1]);
+        let c2 = ray.corner(simd, &corners[2]);
         let (a, b, c) = (area(simd, c0, c1), area(simd, c1, c2), area(simd, c2, c0));
         let error = ray.area_error(simd, simd.load(&block.rows[9]), c0.z);
         let positive = simd.min(simd.min(a, b), c);
@@ -62,7 +64,7 @@ impl Kernel for Triangle {
         if kept == 0 {
             return (0, error);
         }
-        let (within, near) = ray.interval(simd, [c0, c1, c2], limit);
+        let (within, near) = ray.interval(simd, &[c0, c1, c2], limit);
         (kept & within, near)
     }
 
