@@ -44,7 +44,9 @@ pub struct SlabRay {
     near: [usize; 3],
     /// Where the interval starts.
     pub(crate) start: f32,
-    scale: f32,
+    /// Where it ends, or a little before.
+    pub(crate) end: f32,
+    pub(crate) scale: f32,
 }
 
 impl SlabRay {
@@ -77,9 +79,10 @@ impl SlabRay {
             inverse: inverse.to_array(),
             near: [0, 1, 2].map(|axis| 2 * axis + usize::from(direction[axis].is_sign_negative())),
             start: 0.0,
+            end: 0.0,
             scale,
         };
-        Some(Self { start: scaled.before(ray.t_min), ..scaled })
+        Some(Self { start: scaled.before(ray.t_min), end: scaled.before(ray.t_max), ..scaled })
     }
 
     /// The parameter of `t`, or a little less.
@@ -92,7 +95,12 @@ impl SlabRay {
     /// How far to follow the line if hits beyond `t` are of no interest.
     #[inline(always)]
     pub(crate) fn limit(&self, t: f32) -> f32 {
-        let end = t * self.scale;
+        Self::beyond(t * self.scale)
+    }
+
+    /// How far to follow the line if a hit is known not to be beyond a parameter.
+    #[inline(always)]
+    pub(crate) fn beyond(end: f32) -> f32 {
         // A parameter too small for a normal number is rounded absolutely, not relatively.
         end + (LIMIT_SLACK * end.abs()).max(f32::MIN_POSITIVE)
     }

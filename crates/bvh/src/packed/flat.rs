@@ -9,7 +9,7 @@
 //! wrong by less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`, for which `2^-18 S (|z_0| + 4 S)` is enough, `z_0`
 //! being that of any one corner. Signs within that count as either.
 
-use super::kernel::{load3, splat, sub};
+use super::kernel::{Candidates, load3, splat, sub};
 use crate::simd::Simd;
 use crate::slab::SlabRay;
 use rotund_geometry::glam::Vec3;
@@ -23,7 +23,8 @@ pub struct FlatLanes<S: Simd> {
     slope: [S::Lanes; 2],
     /// From `z` to the parameter.
     inverse: S::Lanes,
-    pub(crate) start: S::Lanes,
+    start: S::Lanes,
+    end: S::Lanes,
 }
 
 impl<S: Simd> FlatLanes<S> {
@@ -45,6 +46,7 @@ impl<S: Simd> FlatLanes<S> {
             slope: [simd.splat(direction.x / direction.z), simd.splat(direction.y / direction.z)],
             inverse: simd.splat(direction.z.recip()),
             start: simd.splat(ray.start),
+            end: simd.splat(ray.end),
         }
     }
 
@@ -68,10 +70,17 @@ impl<S: Simd> FlatLanes<S> {
         simd.mul(simd.mul(size, simd.splat(2f32.powi(-18))), depth)
     }
 
-    /// Which lanes have a part in the interval of the ray up to `limit`, and where the part begins at
-    /// the earliest.
+    /// Of the lanes that the line may cross, and of those that it surely does, those where it does so
+    /// in the interval of the ray up to `limit`.
     #[inline(always)]
-    pub(crate) fn interval(&self, simd: S, corners: &[Corner<S>], limit: f32) -> (u32, S::Lanes) {
+    pub(crate) fn candidates(
+        &self,
+        simd: S,
+        corners: &[Corner<S>],
+        limit: f32,
+        maybe: u32,
+        surely: u32,
+    ) -> Candidates<S> {
         let (mut least, mut most) = (corners[0].z, corners[0].z);
         for corner in &corners[1..] {
             (least, most) = (simd.min(corner.z, least), simd.max(corner.z, most));
@@ -82,7 +91,9 @@ impl<S: Simd> FlatLanes<S> {
         let near = simd.neg_mul_add(simd.abs(near), slack, near);
         let far = simd.mul_add(simd.abs(far), slack, far);
         let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(self.start, far);
-        (within, simd.max(near, self.start))
+        let inside = simd.mask_le(self.start, near) & simd.mask_le(far, self.end);
+        let maybe = maybe & within;
+        Candidates { maybe, surely: surely & inside & maybe, near: simd.max(near, self.start), far }
     }
 }
 

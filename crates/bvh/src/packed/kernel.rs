@@ -6,13 +6,17 @@ use crate::slab::SlabRay;
 use rotund_geometry::glam::Vec3;
 use rotund_geometry::{Aabb, Hit, Ray};
 
-/// Numbers of up to [`WIDTH`] primitives, one row per number. Lanes that are not used repeat the
-/// first.
+/// Numbers of up to [`WIDTH`] primitives, one row per number, and their ids. Lanes that are not used
+/// repeat the numbers of the first, with [`NO_ID`].
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub struct Block<const ROWS: usize> {
     pub(crate) rows: [[f32; WIDTH]; ROWS],
+    pub(crate) ids: [u32; WIDTH],
 }
+
+/// The id of a lane that is not used.
+pub(crate) const NO_ID: u32 = u32::MAX;
 
 impl<const ROWS: usize> Block<ROWS> {
     /// The numbers of one lane.
@@ -22,10 +26,43 @@ impl<const ROWS: usize> Block<ROWS> {
     }
 }
 
+/// What all blocks have.
+pub trait HasIds {
+    /// The ids of the lanes.
+    fn ids(&self) -> &[u32; WIDTH];
+}
+
+impl<const ROWS: usize> HasIds for Block<ROWS> {
+    #[inline(always)]
+    fn ids(&self) -> &[u32; WIDTH] {
+        &self.ids
+    }
+}
+
+/// What the wide test knows of a block. Bounds are on the parameter of the ray.
+pub struct Candidates<S: Simd> {
+    /// Lanes that the ray may hit. Every lane that the exact test hits is among them.
+    pub(crate) maybe: u32,
+    /// Lanes that the exact test is sure to hit.
+    pub(crate) surely: u32,
+    /// No hit is nearer.
+    pub(crate) near: S::Lanes,
+    /// The hit is not farther, if it is sure.
+    pub(crate) far: S::Lanes,
+}
+
+impl<S: Simd> Candidates<S> {
+    #[inline(always)]
+    pub(crate) fn none(simd: S) -> Self {
+        let nothing = simd.splat(0.0);
+        Self { maybe: 0, surely: 0, near: nothing, far: nothing }
+    }
+}
+
 /// A kind of primitive. The trait cannot be named outside this crate.
 pub trait Kernel: Copy + Send + Sync {
     /// Its block.
-    type Block: Clone + Send + Sync;
+    type Block: Clone + std::fmt::Debug + Send + Sync + HasIds;
     /// What [`Kernel::candidates`] needs of a ray.
     type Lanes<S: Simd>: Copy;
 
@@ -33,7 +70,7 @@ pub trait Kernel: Copy + Send + Sync {
     fn bounds(&self) -> Aabb;
 
     /// Packs `lanes`, of which only the first are different primitives.
-    fn pack(lanes: &[Self; WIDTH]) -> Self::Block;
+    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Self::Block;
 
     /// The primitive of a lane, to the bit.
     fn unpack(block: &Self::Block, lane: usize) -> Self;
@@ -41,14 +78,13 @@ pub trait Kernel: Copy + Send + Sync {
     /// Prepares a ray.
     fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> Self::Lanes<S>;
 
-    /// Which lanes the ray may hit before `limit`, in either form, and bounds below the parameter at
-    /// which it does. Conservative: every lane that the exact test hits is among them.
-    fn candidates<S: Simd>(
+    /// Sorts out what the ray may hit before `limit`.
+    fn candidates<S: Simd, const VANILLA: bool>(
         simd: S,
         ray: &Self::Lanes<S>,
         block: &Self::Block,
         limit: f32,
-    ) -> (u32, S::Lanes);
+    ) -> Candidates<S>;
 
     /// The exact test.
     fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit>;
@@ -66,6 +102,7 @@ pub struct RoundLanes<S: Simd> {
     pub(crate) inverse_square: S::Lanes,
     pub(crate) inverse_length: S::Lanes,
     pub(crate) start: S::Lanes,
+    pub(crate) end: S::Lanes,
 }
 
 impl<S: Simd> RoundLanes<S> {
@@ -78,6 +115,7 @@ impl<S: Simd> RoundLanes<S> {
             inverse_square: simd.splat(inverse_square),
             inverse_length: simd.splat(inverse_square.sqrt()),
             start: simd.splat(ray.start),
+            end: simd.splat(ray.end),
         }
     }
 

@@ -7,7 +7,7 @@
 //! so if the least of them is not negative or the largest not positive.
 
 use super::flat::{FlatLanes, area, largest_side};
-use super::kernel::{Block, Kernel};
+use super::kernel::{Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -23,7 +23,7 @@ impl Kernel for BilinearPatch {
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
 
-    fn pack(lanes: &[Self; WIDTH]) -> Block<13> {
+    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Block<13> {
         let mut rows = [[0.0; WIDTH]; 13];
         for (lane, patch) in lanes.iter().enumerate() {
             let corners = [patch.p00, patch.p10, patch.p11, patch.p01];
@@ -34,7 +34,7 @@ impl Kernel for BilinearPatch {
             }
             rows[12][lane] = largest_side(&corners);
         }
-        Block { rows }
+        Block { rows, ids }
     }
 
     #[inline(always)]
@@ -54,12 +54,12 @@ impl Kernel for BilinearPatch {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd>(
+    fn candidates<S: Simd, const VANILLA: bool>(
         simd: S,
         ray: &FlatLanes<S>,
         block: &Block<13>,
         limit: f32,
-    ) -> (u32, S::Lanes) {
+    ) -> Candidates<S> {
         let (corners, _) = block.rows.as_chunks::<3>();
         let c0 = ray.corner(simd, &corners[0]);
         let c1 = ray.corner(simd, &corners[1]);
@@ -83,10 +83,12 @@ impl Kernel for BilinearPatch {
         let kept =
             simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
         if kept == 0 {
-            return (0, zero);
+            return Candidates::none(simd);
         }
-        let (within, near) = ray.interval(simd, &[c0, c1, c2, c3], limit);
-        (kept & within, near)
+        // If the outline turns around the ray beyond all error, the ray passes through, in both forms.
+        let surely = simd.mask_le(error, simd.min(least(simd, a01, a12, a23), a30))
+            | simd.mask_le(simd.max(most(simd, a01, a12, a23), a30), simd.sub(zero, error));
+        ray.candidates(simd, &[c0, c1, c2, c3], limit, kept, surely)
     }
 
     #[inline(always)]
