@@ -8,6 +8,9 @@
 //! `2 S` of zero, since the slopes are at most one. So the signed area `x_i y_j - x_j y_i` of such a ray is
 //! wrong by less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`, for which `2^-18 S (|z_0| + 4 S)` is enough, `z_0`
 //! being that of any one corner. Signs within that count as either.
+//!
+//! That a ray hits for sure must not rest on its being near: there, `x_0` and `y_0` are asked to be at most
+//! `2 S`, so that all corners are within `4 S`, and four times the error is allowed for.
 
 use super::kernel::{Candidates, load3, splat, sub};
 use crate::simd::Simd;
@@ -67,7 +70,27 @@ impl<S: Simd> FlatLanes<S> {
     #[inline(always)]
     pub(crate) fn area_error(&self, simd: S, size: S::Lanes, z: S::Lanes) -> S::Lanes {
         let depth = simd.mul_add(size, simd.splat(4.0), simd.abs(z));
-        simd.mul(simd.mul(size, simd.splat(2f32.powi(-18))), depth)
+        let error = simd.mul(size, simd.splat(2f32.powi(-18)));
+        // Products that underflow are off by less than the smallest normal number.
+        simd.mul_add(error, depth, simd.splat(f32::MIN_POSITIVE))
+    }
+
+    /// Lanes where the outline, of which these are the least and the largest area, turns around the ray
+    /// beyond all error.
+    #[inline(always)]
+    pub(crate) fn surely(
+        &self,
+        simd: S,
+        corner: &Corner<S>,
+        size: S::Lanes,
+        error: S::Lanes,
+        [least, most]: [S::Lanes; 2],
+    ) -> u32 {
+        let error = simd.mul(error, simd.splat(4.0));
+        let turns =
+            simd.mask_le(error, least) | simd.mask_le(most, simd.sub(simd.splat(0.0), error));
+        let away = simd.max(simd.abs(corner.x), simd.abs(corner.y));
+        turns & simd.mask_le(away, simd.add(size, size))
     }
 
     /// Of the lanes that the line may cross, and of those that it surely does, those where it does so

@@ -66,7 +66,7 @@ pub trait Kernel: Copy + Send + Sync {
     /// What [`Kernel::candidates`] needs of a ray.
     type Lanes<S: Simd>: Copy;
 
-    /// A box around it, empty if one of its numbers is not finite.
+    /// A box around it, empty if no ray can hit it or one of its numbers is not finite.
     fn bounds(&self) -> Aabb;
 
     /// Packs `lanes`, of which only the first are different primitives.

@@ -79,15 +79,17 @@ impl Kernel for BilinearPatch {
             simd.min(most(simd, a01, a12, a20), most(simd, a02, a23, a30)),
             simd.min(most(simd, a01, a13, a30), most(simd, a12, a23, a31)),
         );
-        let error = ray.area_error(simd, simd.load(&block.rows[12]), c0.z);
+        let size = simd.load(&block.rows[12]);
+        let error = ray.area_error(simd, size, c0.z);
         let kept =
             simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
         if kept == 0 {
             return Candidates::none(simd);
         }
-        // If the outline turns around the ray beyond all error, the ray passes through, in both forms.
-        let surely = simd.mask_le(error, simd.min(least(simd, a01, a12, a23), a30))
-            | simd.mask_le(simd.max(most(simd, a01, a12, a23), a30), simd.sub(zero, error));
+        // If the outline turns around the ray, the ray passes through, in both forms.
+        let ends =
+            [simd.min(least(simd, a01, a12, a23), a30), simd.max(most(simd, a01, a12, a23), a30)];
+        let surely = ray.surely(simd, &c0, size, error, ends);
         ray.candidates(simd, &[c0, c1, c2, c3], limit, kept, surely)
     }
 

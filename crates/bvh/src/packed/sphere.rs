@@ -30,8 +30,9 @@ impl Kernel for Sphere {
     type Lanes<S: Simd> = RoundLanes<S>;
 
     fn bounds(&self) -> Aabb {
+        // In both forms only a positive radius hits.
         let finite = self.center.is_finite() && self.radius.is_finite();
-        if finite { self.bounds() } else { Aabb::EMPTY }
+        if finite && self.radius > 0.0 { self.bounds() } else { Aabb::EMPTY }
     }
 
     fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Block<4> {
@@ -91,8 +92,9 @@ impl Kernel for Sphere {
         }
         // The same with errors the other way. Where this has a root, the sphere is entered, at the
         // latest there; a NaN, from the root of a negative number, is not sure.
-        let surely = simd.neg_mul_add(square, simd.splat(1.0 / 256.0), reach);
-        let surely = simd.sub(simd.neg_mul_add(error, simd.splat(2.0), surely), distance);
+        let less = simd.add(simd.add(error, distance), simd.splat(f32::MIN_POSITIVE));
+        let square = simd.mul(radius, radius);
+        let surely = simd.sub(simd.mul(square, simd.splat(1.0 - 1.0 / 512.0)), less);
         let half = simd.mul(simd.sqrt(surely), ray.inverse_length);
         let entry = simd.add(simd.sub(seen.t, half), slack);
         let surely = simd.mask_le(ray.start, near) & simd.mask_le(entry, ray.end);

@@ -56,7 +56,8 @@ impl Kernel for Triangle {
         let c1 = ray.corner(simd, &corners[1]);
         let c2 = ray.corner(simd, &corners[2]);
         let (a, b, c) = (area(simd, c0, c1), area(simd, c1, c2), area(simd, c2, c0));
-        let error = ray.area_error(simd, simd.load(&block.rows[9]), c0.z);
+        let size = simd.load(&block.rows[9]);
+        let error = ray.area_error(simd, size, c0.z);
         let positive = simd.min(simd.min(a, b), c);
         let negative = simd.max(simd.max(a, b), c);
         let kept = simd.mask_not_gt(simd.sub(simd.splat(0.0), error), positive)
@@ -64,8 +65,7 @@ impl Kernel for Triangle {
         if kept == 0 {
             return Candidates::none(simd);
         }
-        let surely = simd.mask_le(error, positive)
-            | simd.mask_le(negative, simd.sub(simd.splat(0.0), error));
+        let surely = ray.surely(simd, &c0, size, error, [positive, negative]);
         ray.candidates(simd, &[c0, c1, c2], limit, kept, surely)
     }
 
