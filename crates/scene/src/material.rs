@@ -14,6 +14,10 @@ pub enum MaterialKind {
     Reflective,
     /// The wall of a solid dielectric.
     Refractive,
+    /// A thin sheet of a dielectric, which does not bend light.
+    Transparent,
+    /// The border of a cloud: it does nothing to light, but what is inside does.
+    Volumetric,
 }
 
 /// The parameters of a surface as a file states them; textures are indices into
@@ -32,8 +36,12 @@ pub struct Material {
     pub roughness: f32,
     /// Index of refraction of the solid or coat.
     pub ior: f32,
-    /// Depth in meters at which `color` is what remains of the light inside a refractive solid.
+    /// Depth in meters at which `color` is what remains of the light inside a solid or cloud.
     pub trdepth: f32,
+    /// The share of what is lost inside that is scattered rather than absorbed.
+    pub scattering: Vec3,
+    /// Mean cosine of the angle of scattering inside, `-1.0..1.0`: above zero it goes on forwards.
+    pub scanisotropy: f32,
     /// Probability that the surface is there at all.
     pub opacity: f32,
     /// Scales emission.
@@ -56,6 +64,8 @@ impl Default for Material {
             roughness: 0.0,
             ior: 1.5,
             trdepth: 0.01,
+            scattering: Vec3::ZERO,
+            scanisotropy: 0.0,
             opacity: 1.0,
             emission_tex: None,
             color_tex: None,
@@ -81,6 +91,10 @@ pub struct MaterialPoint {
     pub alpha: f32,
     /// Index of refraction of the solid or coat.
     pub ior: f32,
-    /// Extinction per meter inside a refractive solid.
+    /// Extinction per meter inside a solid or cloud.
     pub density: Vec3,
+    /// Single-scattering albedo inside.
+    pub scattering: Vec3,
+    /// Mean cosine of scattering inside.
+    pub scanisotropy: f32,
 }

@@ -8,8 +8,10 @@ mod medium;
 mod mis;
 pub mod output;
 mod path;
+pub mod phase;
 mod render;
 mod sampler;
+mod shadow;
 pub mod warp;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue};

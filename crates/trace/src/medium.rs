@@ -1,30 +1,74 @@
 //! What fills the solids that a path is in.
 
 use glam::Vec3;
+use rotund_scene::{MaterialPoint, SceneHit};
 
 /// How many solids a path may be in at once; the innermost beyond that count as empty.
 const DEPTH: usize = 8;
 
+/// What is inside of a solid or cloud.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Medium {
+    /// Per meter.
+    pub(crate) extinction: Vec3,
+    /// The share of the extinction that is scattering.
+    pub(crate) albedo: Vec3,
+    /// Mean cosine of scattering.
+    pub(crate) anisotropy: f32,
+}
+
 /// The solids around a path, innermost last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Media {
-    /// Instance, and extinction per meter.
-    solids: [(u32, Vec3); DEPTH],
+    /// With their instances.
+    solids: [(u32, Medium); DEPTH],
     depth: usize,
+}
+
+impl Medium {
+    /// What is behind a surface of this material.
+    pub(crate) fn new(material: &MaterialPoint) -> Self {
+        Self {
+            extinction: material.density,
+            albedo: material.scattering,
+            anisotropy: material.scanisotropy,
+        }
+    }
+
+    /// How far light goes before it is scattered: the distance, if it is less than `limit`, and the
+    /// factor for what comes from there, or else for what comes from the limit.
+    ///
+    /// `channel` picks a color to draw for, `u` the distance; the density is the mean over all three.
+    pub(crate) fn sample(&self, limit: f32, channel: f32, u: f32) -> (Option<f32>, Vec3) {
+        let mean = |v: Vec3| v.element_sum() / 3.0;
+        let drawn = self.extinction[((channel * 3.0) as usize).min(2)];
+        // Infinite where nothing is in the way.
+        let distance = -(-u).ln_1p() / drawn;
+        if distance < limit {
+            let remains = (-distance * self.extinction).exp();
+            let pdf = mean(self.extinction * remains);
+            (Some(distance), self.albedo * self.extinction * remains / pdf)
+        } else {
+            let remains = (-limit * self.extinction).exp();
+            // All channels may be too dense for f32: then nothing comes through.
+            let pdf = mean(remains);
+            (None, if pdf > 0.0 { remains / pdf } else { Vec3::ZERO })
+        }
+    }
 }
 
 impl Media {
     /// A path goes into an instance.
-    pub(crate) fn enter(&mut self, instance: u32, density: Vec3) {
+    fn enter(&mut self, instance: u32, medium: Medium) {
         if self.depth < DEPTH {
-            self.solids[self.depth] = (instance, density);
+            self.solids[self.depth] = (instance, medium);
             self.depth += 1;
         }
     }
 
     /// A path comes out of an instance. Solids that overlap may be left in any order; one that was
     /// never entered, because the camera is inside, changes nothing.
-    pub(crate) fn leave(&mut self, instance: u32) {
+    fn leave(&mut self, instance: u32) {
         let inside = &self.solids[..self.depth];
         if let Some(place) = inside.iter().rposition(|&(solid, _)| solid == instance) {
             self.solids.copy_within(place + 1..self.depth, place);
@@ -32,12 +76,24 @@ impl Media {
         }
     }
 
+    /// A path crosses the wall of an instance in a direction.
+    pub(crate) fn cross(&mut self, hit: &SceneHit, direction: Vec3, medium: Medium) {
+        if hit.normal.dot(direction) < 0.0 {
+            self.enter(hit.instance, medium);
+        } else {
+            self.leave(hit.instance);
+        }
+    }
+
+    /// What is around the path, if not nothing.
+    pub(crate) fn innermost(&self) -> Option<&Medium> {
+        let (_, medium) = self.solids[..self.depth].last()?;
+        (medium.extinction != Vec3::ZERO).then_some(medium)
+    }
+
     /// What remains of the light over a distance, by Beer and Lambert.
     pub(crate) fn transmittance(&self, distance: f32) -> Vec3 {
-        match self.solids[..self.depth].last() {
-            Some((_, density)) if *density != Vec3::ZERO => (-distance * *density).exp(),
-            _ => Vec3::ONE,
-        }
+        self.innermost().map_or(Vec3::ONE, |medium| (-distance * medium.extinction).exp())
     }
 }
 
@@ -47,12 +103,13 @@ mod tests {
 
     #[test]
     fn the_innermost_solid_absorbs() {
+        let of = |extinction| Medium { extinction, ..Medium::default() };
         let [a, b] = [Vec3::new(1.0, 0.0, 2.0), Vec3::splat(3.0)];
         let mut media = Media::default();
         assert_eq!(media.transmittance(5.0), Vec3::ONE);
-        media.enter(7, a);
+        media.enter(7, of(a));
         assert!(media.transmittance(2.0).abs_diff_eq((-2.0 * a).exp(), 1e-7));
-        media.enter(8, b);
+        media.enter(8, of(b));
         assert!(media.transmittance(2.0).abs_diff_eq((-2.0 * b).exp(), 1e-7));
         // The outer one ends first: they overlap.
         media.leave(7);
@@ -63,10 +120,35 @@ mod tests {
     }
 
     #[test]
+    fn distances_in_a_medium_are_drawn_as_light_is_lost() {
+        let medium = Medium {
+            extinction: Vec3::new(0.5, 2.0, 0.0),
+            albedo: Vec3::new(0.3, 0.9, 0.5),
+            anisotropy: 0.0,
+        };
+        // What is scattered and what arrives: the integral of the extinction times albedo, and the
+        // transmittance, over a limit of 1.5.
+        let (mut scattered, mut arrived) = (Vec3::ZERO, Vec3::ZERO);
+        const STEPS: u32 = 300;
+        for i in 0..STEPS {
+            for j in 0..STEPS {
+                let place = |k: u32| (k as f32 + 0.5) / STEPS as f32;
+                let (distance, factor) = medium.sample(1.5, place(i), place(j));
+                let sum = if distance.is_some() { &mut scattered } else { &mut arrived };
+                *sum += factor / (STEPS * STEPS) as f32;
+            }
+        }
+        let remains = (-1.5 * medium.extinction).exp();
+        assert!(arrived.abs_diff_eq(remains, 1e-2), "{arrived} is not {remains}");
+        let lost = medium.albedo * (1.0 - remains);
+        assert!(scattered.abs_diff_eq(lost, 1e-2), "{scattered} is not {lost}");
+    }
+
+    #[test]
     fn more_solids_than_fit_change_nothing() {
         let mut media = Media::default();
         for instance in 0..20 {
-            media.enter(instance, Vec3::ONE);
+            media.enter(instance, Medium { extinction: Vec3::ONE, ..Medium::default() });
         }
         for instance in (0..20).rev() {
             media.leave(instance);

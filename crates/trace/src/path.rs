@@ -1,15 +1,17 @@
 //! Light along one path from the camera.
 //!
-//! At each vertex one direction is drawn from the lights and one from the BSDF. Either could have
-//! found what the other found, so both are weighted by the power heuristic. The direction from the
-//! BSDF goes on; what it hits tells by itself with which density the lights would have found it.
+//! At each vertex one direction is drawn from the lights and one from the BSDF, or the phase function
+//! inside of a medium. Either could have found what the other found, so both are weighted by the power
+//! heuristic. The second direction goes on; what it hits tells by itself with which density the lights
+//! would have found it.
 
-use crate::light::{LightSample, Receiver};
-use crate::medium::Media;
-use crate::{Bsdf, Lights, Sampler, power_heuristic};
+use crate::light::Receiver;
+use crate::medium::{Media, Medium};
+use crate::shadow::{Departure, Target};
+use crate::{Bsdf, Lights, Sampler, phase, power_heuristic};
 use glam::{Vec2, Vec3};
-use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
-use rotund_scene::{MaterialKind, Scene, SceneHit, Trees};
+use rotund_geometry::{Ray, leave_surface};
+use rotund_scene::{MaterialKind, MaterialPoint, Scene, SceneHit, Trees};
 
 /// What all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +20,7 @@ pub(crate) struct World<'a> {
     pub(crate) trees: &'a Trees,
     pub(crate) lights: &'a Lights,
     pub(crate) bounces: u32,
-    /// No surface lets rays through unscattered.
+    /// No surface lets rays go straight through.
     pub(crate) opaque: bool,
 }
 
@@ -34,11 +36,10 @@ pub(crate) struct Arrived {
 
 /// Segments after which a path may end by Russian roulette.
 const ROULETTE_AFTER: u32 = 4;
-/// Sheets of partial opacity that one segment may pass. It ends paths that would otherwise not.
-const SHEETS: u32 = 1024;
-/// Dimension sets of a path: the camera takes the first, each vertex two.
-const CAMERA_SET: u32 = 0;
-const SETS_PER_VERTEX: u32 = 2;
+/// Sheets of partial opacity that one path may pass. It ends paths that would otherwise not.
+pub(crate) const SHEETS: u32 = 1024;
+/// Dimension sets of a path: the camera takes the first, each segment three.
+const SETS_PER_SEGMENT: u32 = 3;
 /// Sets of decisions at sheets of partial opacity, which come in any number.
 const SHEET_SETS: u32 = 1 << 16;
 
@@ -49,145 +50,212 @@ struct Origin {
     pdf: f32,
 }
 
+/// A path under way.
+struct Path<'a> {
+    world: &'a World<'a>,
+    sampler: &'a Sampler,
+    ray: Ray,
+    throughput: Vec3,
+    origin: Option<Origin>,
+    media: Media,
+    /// The segment that `ray` is, counted from 1 at the camera.
+    segment: u32,
+    sheets: u32,
+    arrived: Arrived,
+}
+
+/// Whether a path goes on.
+enum Next {
+    Segment,
+    End,
+}
+
 impl World<'_> {
     /// The radiance that comes along a ray of unit direction.
-    pub(crate) fn trace(&self, mut ray: Ray, sampler: &Sampler) -> Arrived {
-        let scene = self.scene;
-        let mut arrived = Arrived { radiance: Vec3::ZERO, covered: false, rays: 0 };
-        let mut throughput = Vec3::ONE;
-        let mut origin: Option<Origin> = None;
-        let mut media = Media::default();
-        let mut segment = 1;
-        let mut sheets = 0;
-        while segment <= self.bounces {
-            arrived.rays += 1;
-            let Some(hit) = self.trees.closest(scene, &ray) else {
-                let weight = origin.as_ref().map_or(1.0, |origin| {
-                    let other = self.lights.environment_pdf(&origin.receiver, ray.direction);
-                    power_heuristic(origin.pdf, other)
-                });
-                arrived.radiance += weight * throughput * scene.eval_environment(ray.direction);
-                arrived.covered |= !scene.environments.is_empty();
-                break;
-            };
-            throughput *= media.transmittance(hit.t);
-            let outgoing = -ray.direction;
-            let material = scene.eval_material(hit.instance, hit.element, hit.uv);
-            if material.opacity < 1.0 {
-                let [chance, ..] = sampler.set(SHEET_SETS + sheets);
-                sheets += 1;
-                if sheets > SHEETS {
-                    break;
-                }
-                if chance >= material.opacity {
-                    ray.origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
-                    continue;
-                }
-            }
-            arrived.covered = true;
-            if material.emission != Vec3::ZERO {
-                let weight = origin.as_ref().map_or(1.0, |origin| {
-                    power_heuristic(origin.pdf, self.lights.hit_pdf(&origin.receiver, &hit))
-                });
-                arrived.radiance += weight * throughput * material.emission;
-            }
-            if segment == self.bounces {
-                break;
-            }
+    pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler) -> Arrived {
+        let mut path = Path {
+            world: self,
+            sampler,
+            ray,
+            throughput: Vec3::ONE,
+            origin: None,
+            media: Media::default(),
+            segment: 1,
+            sheets: 0,
+            arrived: Arrived { radiance: Vec3::ZERO, covered: false, rays: 0 },
+        };
+        while path.segment <= self.bounces && matches!(path.step(), Next::Segment) {}
+        path.arrived
+    }
+}
 
-            let normal = shading_normal(scene, &hit, material.kind, outgoing);
-            let bsdf = Bsdf::new(&material, normal, outgoing);
-            let transmits = material.kind == MaterialKind::Refractive;
-            let receiver =
-                Receiver { position: hit.position, normal: (!transmits).then_some(normal) };
-            let set = CAMERA_SET + 1 + SETS_PER_VERTEX * (segment - 1);
-            if !bsdf.is_delta() {
-                let [choice, x, y, _] = sampler.set(set);
-                let drawn = self.lights.sample(scene, &receiver, choice, Vec2::new(x, y));
-                if let Some(light) = drawn {
-                    let value = bsdf.eval(light.incoming);
-                    if value.value != Vec3::ZERO
-                        && (!transmits || sides_agree(&hit, normal, outgoing, light.incoming))
-                    {
-                        let weight = power_heuristic(light.pdf, value.pdf) / light.pdf;
-                        let through = self.visibility(&hit, &light, &media, &mut arrived.rays);
-                        arrived.radiance +=
-                            throughput * through * weight * value.value * light.radiance;
-                    }
+impl Path<'_> {
+    /// Follows the ray, gathers light at its end, and finds the next ray.
+    fn step(&mut self) -> Next {
+        let scene = self.world.scene;
+        self.arrived.rays += 1;
+        let Some(hit) = self.world.trees.closest(scene, &self.ray) else {
+            self.gather_environment();
+            return Next::End;
+        };
+        if let Some(&medium) = self.media.innermost() {
+            if medium.albedo == Vec3::ZERO {
+                self.throughput *= self.media.transmittance(hit.t);
+            } else {
+                let [channel, u, ..] = self.numbers(2);
+                let (distance, factor) = medium.sample(hit.t, channel, u);
+                self.throughput *= factor;
+                if let Some(distance) = distance {
+                    return self.scatter_inside(&medium, self.ray.at(distance));
                 }
             }
-
-            let [choice, x, y, roulette] = sampler.set(set + 1);
-            let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { break };
-            let incoming = scattered.incoming;
-            if transmits && !sides_agree(&hit, normal, outgoing, incoming) {
-                break;
-            }
-            throughput *= scattered.weight;
-            if throughput == Vec3::ZERO {
-                break;
-            }
-            if transmits && hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0 {
-                if hit.normal.dot(outgoing) > 0.0 {
-                    media.enter(hit.instance, material.density);
-                } else {
-                    media.leave(hit.instance);
-                }
-            }
-            if segment >= ROULETTE_AFTER {
-                let survival = throughput.max_element().min(0.99);
-                if roulette >= survival {
-                    break;
-                }
-                throughput /= survival;
-            }
-            origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
-            ray = Ray::new(leave_surface(hit.position, hit.error, hit.normal, incoming), incoming);
-            segment += 1;
         }
-        arrived
+        let material = scene.eval_material(hit.instance, hit.element, hit.uv);
+        if material.opacity < 1.0 {
+            let [chance, ..] = self.sampler.set(SHEET_SETS + self.sheets);
+            self.sheets += 1;
+            if self.sheets > SHEETS {
+                return Next::End;
+            }
+            if chance >= material.opacity {
+                self.pass(&hit);
+                return Next::Segment;
+            }
+        }
+        self.arrived.covered = true;
+        self.gather_emission(&hit, material.emission);
+        if self.segment == self.world.bounces {
+            return Next::End;
+        }
+        if material.kind == MaterialKind::Volumetric {
+            // The density of the last direction stays: the lights too see through such a border.
+            self.media.cross(&hit, self.ray.direction, Medium::new(&material));
+            self.pass(&hit);
+            self.segment += 1;
+            return Next::Segment;
+        }
+        self.scatter_at(&hit, &material)
     }
 
-    /// The share of the light that is not blocked on its way to a hit.
-    fn visibility(
-        &self,
-        hit: &SceneHit,
-        light: &LightSample,
-        media: &Media,
-        rays: &mut u64,
-    ) -> Vec3 {
-        let incoming = light.incoming;
-        // Both ends leave their surfaces. How far along the ray an end is off its surface can be
-        // less than the rounding of `t`, which is some units in the last place.
-        let end = light
-            .source
-            .map(|source| leave_surface(source.position, source.error, source.normal, -incoming));
-        let segment = |origin: Vec3| match end {
-            None => Ray::new(origin, incoming),
-            Some(end) => {
-                Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, end - origin) }
-            }
-        };
-        let mut ray = segment(leave_surface(hit.position, hit.error, hit.normal, incoming));
-        let mut share = match end {
-            Some(end) => media.transmittance(end.distance(ray.origin)),
-            None => Vec3::ONE,
-        };
-        *rays += 1;
-        if self.opaque {
-            return if self.trees.any(self.scene, &ray) { Vec3::ZERO } else { share };
+    /// The `index`-th set of numbers of this segment.
+    fn numbers(&self, index: u32) -> [f32; 4] {
+        self.sampler.set(1 + SETS_PER_SEGMENT * (self.segment - 1) + index)
+    }
+
+    /// Goes straight on behind a surface.
+    fn pass(&mut self, hit: &SceneHit) {
+        self.ray.origin = leave_surface(hit.position, hit.error, hit.normal, self.ray.direction);
+    }
+
+    fn gather_environment(&mut self) {
+        let World { scene, lights, .. } = self.world;
+        let weight = self.origin.as_ref().map_or(1.0, |origin| {
+            let other = lights.environment_pdf(&origin.receiver, self.ray.direction);
+            power_heuristic(origin.pdf, other)
+        });
+        let radiance = scene.eval_environment(self.ray.direction);
+        self.arrived.radiance += weight * self.throughput * radiance;
+        self.arrived.covered |= !scene.environments.is_empty();
+    }
+
+    fn gather_emission(&mut self, hit: &SceneHit, emission: Vec3) {
+        if emission != Vec3::ZERO {
+            let weight = self.origin.as_ref().map_or(1.0, |origin| {
+                power_heuristic(origin.pdf, self.world.lights.hit_pdf(&origin.receiver, hit))
+            });
+            self.arrived.radiance += weight * self.throughput * emission;
         }
-        for _ in 0..SHEETS {
-            let Some(sheet) = self.trees.closest(self.scene, &ray) else { return share };
-            let material = self.scene.eval_material(sheet.instance, sheet.element, sheet.uv);
-            if material.opacity >= 1.0 {
-                break;
-            }
-            share *= 1.0 - material.opacity;
-            ray = segment(leave_surface(sheet.position, sheet.error, sheet.normal, incoming));
-            *rays += 1;
+    }
+
+    /// Draws a light and adds what comes from it. `scatter` gives value and density for a direction.
+    fn gather_light(
+        &mut self,
+        receiver: &Receiver,
+        departure: &Departure<'_>,
+        scatter: impl Fn(Vec3) -> (Vec3, f32),
+    ) {
+        let [choice, x, y, _] = self.numbers(0);
+        let World { scene, lights, bounces, .. } = self.world;
+        let Some(light) = lights.sample(scene, receiver, choice, Vec2::new(x, y)) else { return };
+        let (value, pdf) = scatter(light.incoming);
+        if value == Vec3::ZERO {
+            return;
         }
-        Vec3::ZERO
+        let weight = power_heuristic(light.pdf, pdf) / light.pdf;
+        let target = Target {
+            incoming: light.incoming,
+            source: light.source,
+            borders: bounces - self.segment - 1,
+        };
+        let (share, rays) = self.world.visibility(departure, &target, self.media);
+        self.arrived.rays += rays;
+        self.arrived.radiance += self.throughput * share * weight * value * light.radiance;
+    }
+
+    fn scatter_inside(&mut self, medium: &Medium, position: Vec3) -> Next {
+        self.arrived.covered = true;
+        if self.segment == self.world.bounces {
+            return Next::End;
+        }
+        let outgoing = -self.ray.direction;
+        let g = medium.anisotropy;
+        let receiver = Receiver { position, normal: None };
+        self.gather_light(&receiver, &Departure::Inside(position), |incoming| {
+            let density = phase::henyey_greenstein(g, outgoing, incoming);
+            (Vec3::splat(density), density)
+        });
+        let [_, x, y, roulette] = self.numbers(1);
+        let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
+        let pdf = phase::henyey_greenstein(g, outgoing, incoming);
+        self.origin = Some(Origin { receiver, pdf });
+        self.go_on(Ray::new(position, incoming), roulette)
+    }
+
+    fn scatter_at(&mut self, hit: &SceneHit, material: &MaterialPoint) -> Next {
+        let outgoing = -self.ray.direction;
+        let normal = shading_normal(self.world.scene, hit, material.kind, outgoing);
+        let bsdf = Bsdf::new(material, normal, outgoing);
+        let wall = material.kind == MaterialKind::Refractive;
+        let both_sides = wall || material.kind == MaterialKind::Transparent;
+        let receiver = Receiver { position: hit.position, normal: (!both_sides).then_some(normal) };
+        let medium = wall.then(|| Medium::new(material));
+        let allowed = |incoming: Vec3| !wall || sides_agree(hit, normal, outgoing, incoming);
+        if !bsdf.is_delta() {
+            let departure = Departure::Surface { hit, outgoing, medium };
+            self.gather_light(&receiver, &departure, |incoming| {
+                let value = bsdf.eval(incoming);
+                (if allowed(incoming) { value.value } else { Vec3::ZERO }, value.pdf)
+            });
+        }
+        let [choice, x, y, roulette] = self.numbers(1);
+        let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
+        let incoming = scattered.incoming;
+        if !allowed(incoming) {
+            return Next::End;
+        }
+        if let Some(medium) = medium
+            && hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0
+        {
+            self.media.cross(hit, incoming, medium);
+        }
+        self.throughput *= scattered.weight;
+        self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
+        let origin = leave_surface(hit.position, hit.error, hit.normal, incoming);
+        self.go_on(Ray::new(origin, incoming), roulette)
+    }
+
+    /// Takes the next segment, unless nothing would come of it or Russian roulette ends the path.
+    fn go_on(&mut self, ray: Ray, roulette: f32) -> Next {
+        if self.segment >= ROULETTE_AFTER {
+            let survival = self.throughput.max_element().min(0.99);
+            if roulette >= survival {
+                return Next::End;
+            }
+            self.throughput /= survival;
+        }
+        self.ray = ray;
+        self.segment += 1;
+        if self.throughput == Vec3::ZERO { Next::End } else { Next::Segment }
     }
 }
 

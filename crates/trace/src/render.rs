@@ -4,7 +4,7 @@ use crate::path::World;
 use crate::{Film, Lights, Sampler, Sequence, film::PixelSum};
 use glam::Vec2;
 use rayon::prelude::*;
-use rotund_scene::{Pixels, Scene, Trees};
+use rotund_scene::{Material, MaterialKind, Pixels, Scene, Trees};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -145,7 +145,7 @@ pub fn resume(
 /// Passes get longer until they take between half of this and twice as much.
 const PASS_TIME: Duration = Duration::from_millis(500);
 
-/// True if no surface of the scene lets rays through unscattered.
+/// True if no surface of the scene lets rays go straight through.
 fn is_opaque(scene: &Scene) -> bool {
     let image_is_opaque = |texture: &Option<u32>| {
         texture.is_none_or(|texture| match &scene.textures[texture as usize].pixels {
@@ -153,6 +153,11 @@ fn is_opaque(scene: &Scene) -> bool {
             Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
         })
     };
-    scene.materials.iter().all(|m| m.opacity >= 1.0 && image_is_opaque(&m.color_tex))
+    let is_opaque = |material: &Material| {
+        material.opacity >= 1.0
+            && material.kind != MaterialKind::Volumetric
+            && image_is_opaque(&material.color_tex)
+    };
+    scene.materials.iter().all(is_opaque)
         && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
 }

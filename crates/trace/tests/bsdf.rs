@@ -4,12 +4,12 @@
 mod support;
 
 use glam::Vec3;
-use rotund_scene::MaterialKind::{self, Glossy, Matte, Reflective, Refractive};
+use rotund_scene::MaterialKind::{self, Glossy, Matte, Reflective, Refractive, Transparent};
 use rotund_trace::{Bsdf, Sequence};
 use std::f64::consts::{PI, TAU};
 use support::{chi_squared_limit, direction, numbers, white};
 
-const ROUGH: [(MaterialKind, f32); 11] = [
+const ROUGH: [(MaterialKind, f32); 13] = [
     (Matte, 0.0),
     (Glossy, 0.01),
     (Glossy, 0.09),
@@ -21,6 +21,8 @@ const ROUGH: [(MaterialKind, f32); 11] = [
     (Refractive, 0.09),
     (Refractive, 0.5),
     (Refractive, 1.0),
+    (Transparent, 0.09),
+    (Transparent, 0.5),
 ];
 /// Cosines of outgoing directions; below zero only glass can be seen.
 const COSINES: [f32; 7] = [1.0, 0.9, 0.5, 0.1, -0.1, -0.5, -1.0];

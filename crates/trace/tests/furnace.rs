@@ -3,12 +3,12 @@
 mod support;
 
 use glam::Vec3;
-use rotund_scene::MaterialKind::{self, Glossy, Matte, Reflective, Refractive};
+use rotund_scene::MaterialKind::{self, Glossy, Matte, Reflective, Refractive, Transparent};
 use rotund_trace::{Bsdf, Sequence};
 use std::f64::consts::PI;
 use support::{direction, numbers, white};
 
-const KINDS: [MaterialKind; 4] = [Matte, Glossy, Reflective, Refractive];
+const KINDS: [MaterialKind; 5] = [Matte, Glossy, Reflective, Refractive, Transparent];
 const ALPHAS: [f32; 7] = [0.0, 0.0009, 0.01, 0.09, 0.25, 0.5, 1.0];
 const COSINES: [f32; 9] = [1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.01, -0.3, -0.8];
 
@@ -54,6 +54,7 @@ fn no_surface_gains_energy() {
 fn smooth_surfaces_lose_no_energy() {
     for cosine in [1.0, 0.7, 0.3, 0.1] {
         assert!((albedo(Matte, 0.0, cosine) - 1.0).abs() < 1e-5);
+        assert!((albedo(Transparent, 0.0, cosine) - 1.0).abs() < 1e-5);
         assert!((albedo(Refractive, 0.0, cosine) - 1.0).abs() < 1e-5);
         assert!((albedo(Refractive, 0.0, -cosine) - 1.0).abs() < 1e-5);
     }
@@ -80,7 +81,7 @@ fn rough_surfaces_return_what_a_quadrature_of_the_model_says() {
 
 /// The documented model, integrated over facet normals.
 mod model {
-    use super::{Glossy, MaterialKind, PI, Reflective};
+    use super::{Glossy, MaterialKind, PI, Reflective, Transparent};
 
     const IOR: f64 = 1.5;
 
@@ -129,6 +130,8 @@ mod model {
                 let reflected = 2.0 * oh * z - cosine;
                 let f = fresnel(if kind == Reflective { metal } else { eta }, oh);
                 if reflected > 0.0 {
+                    // A white sheet lets through what it does not reflect.
+                    let f = if kind == Transparent { 1.0 } else { f };
                     sum += facets * f * visible(alpha, reflected);
                 }
                 let beyond = 1.0 - (1.0 - oh * oh) / (eta * eta);

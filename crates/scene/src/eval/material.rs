@@ -34,8 +34,10 @@ impl Scene {
             MaterialKind::Matte | MaterialKind::Glossy => {
                 (alpha.clamp(LEAST_ALPHA, 1.0), Vec3::ZERO)
             }
-            MaterialKind::Reflective => (smooth_below_least(alpha), Vec3::ZERO),
-            MaterialKind::Refractive => {
+            MaterialKind::Reflective | MaterialKind::Transparent => {
+                (smooth_below_least(alpha), Vec3::ZERO)
+            }
+            MaterialKind::Refractive | MaterialKind::Volumetric => {
                 // What is left of white after `trdepth` is `color`.
                 let remains = color.clamp(Vec3::splat(1e-4), Vec3::ONE);
                 (smooth_below_least(alpha), -remains.map(f32::ln) / material.trdepth)
@@ -49,6 +51,8 @@ impl Scene {
             alpha,
             ior: material.ior,
             density,
+            scattering: material.scattering,
+            scanisotropy: material.scanisotropy,
         }
     }
 }

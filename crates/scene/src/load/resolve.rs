@@ -56,6 +56,8 @@ pub(super) fn resolve(
             roughness: material.roughness,
             ior: material.ior,
             trdepth: material.trdepth,
+            scattering: material.scattering.into(),
+            scanisotropy: material.scanisotropy,
             opacity: material.opacity,
             emission_tex: texture("emission_tex", &material.emission_tex)?,
             color_tex: texture("color_tex", &material.color_tex)?,
@@ -84,18 +86,17 @@ fn kind(
     let mut warn = |problem: &str| {
         warnings.push(format!("{}: materials[{i}] {problem}", path.display()));
     };
-    if material.scattering != [0.0; 3] {
-        warn("scatters inside, which is not supported: it only absorbs");
+    if material.scattering_tex.is_some() {
+        warn("has a scattering_tex, which is not supported: it scatters the same everywhere");
     }
     match material.kind {
         MaterialType::Matte => MaterialKind::Matte,
         MaterialType::Glossy => MaterialKind::Glossy,
         MaterialType::Reflective => MaterialKind::Reflective,
-        MaterialType::Refractive => MaterialKind::Refractive,
-        MaterialType::Transparent | MaterialType::Volumetric | MaterialType::Subsurface => {
-            warn("is of a kind that is not supported: taken as refractive");
-            MaterialKind::Refractive
-        }
+        // yocto-gl does with both the same.
+        MaterialType::Refractive | MaterialType::Subsurface => MaterialKind::Refractive,
+        MaterialType::Transparent => MaterialKind::Transparent,
+        MaterialType::Volumetric => MaterialKind::Volumetric,
         MaterialType::GltfPbr => {
             warn("is of a kind that is not supported: taken as glossy");
             MaterialKind::Glossy

@@ -6,6 +6,8 @@
 //! | glossy | GGX with dielectric Fresnel; Lambert weighted by 1 - F(normal, outgoing) |
 //! | reflective | GGX with conductor Fresnel, or a mirror |
 //! | refractive | GGX with dielectric Fresnel, reflected and refracted, or a smooth boundary |
+//! | transparent | GGX with dielectric Fresnel, and its mirror image below, tinted; or a smooth sheet |
+//! | volumetric | none: light goes straight through |
 //!
 //! Values include the cosine of the incoming direction. Refraction does not scale radiance by the
 //! squared ratio of indices: along every path that leaves a solid again the factors cancel.
@@ -14,6 +16,7 @@ mod frame;
 pub mod fresnel;
 pub mod microfacet;
 mod rough_glass;
+mod thin_sheet;
 
 use crate::warp;
 use frame::Frame;
@@ -59,6 +62,9 @@ enum Lobes {
     Mirror { color: Vec3 },
     RoughGlass { alpha: f32, eta: f32 },
     Glass { eta: f32 },
+    RoughSheet { alpha: f32, ior: f32, color: Vec3 },
+    Sheet { ior: f32, color: Vec3 },
+    Nothing,
 }
 
 const NOTHING: BsdfValue = BsdfValue { value: Vec3::ZERO, pdf: 0.0 };
@@ -95,6 +101,9 @@ impl Bsdf {
                     Lobes::RoughGlass { alpha, eta }
                 }
             }
+            MaterialKind::Transparent if alpha == 0.0 => Lobes::Sheet { ior, color },
+            MaterialKind::Transparent => Lobes::RoughSheet { alpha, ior, color },
+            MaterialKind::Volumetric => Lobes::Nothing,
         };
         Self { frame, outgoing: local, lobes }
     }
@@ -102,7 +111,10 @@ impl Bsdf {
     /// True if light comes from a discrete few directions, which only [`Bsdf::sample`] finds.
     #[must_use]
     pub fn is_delta(&self) -> bool {
-        matches!(self.lobes, Lobes::Mirror { .. } | Lobes::Glass { .. })
+        matches!(
+            self.lobes,
+            Lobes::Mirror { .. } | Lobes::Glass { .. } | Lobes::Sheet { .. } | Lobes::Nothing
+        )
     }
 
     /// Value and density for light from `incoming`, of unit length; zero for a delta lobe.
@@ -115,6 +127,9 @@ impl Bsdf {
         let outgoing = self.outgoing;
         if let Lobes::RoughGlass { alpha, eta } = self.lobes {
             return rough_glass::eval(alpha, eta, outgoing, incoming);
+        }
+        if let Lobes::RoughSheet { alpha, ior, color } = self.lobes {
+            return thin_sheet::eval(alpha, ior, color, outgoing, incoming);
         }
         if incoming.z <= 0.0 {
             return NOTHING;
@@ -143,7 +158,12 @@ impl Bsdf {
                     pdf: reflection_pdf(alpha, outgoing, half),
                 }
             }
-            Lobes::RoughGlass { .. } | Lobes::Mirror { .. } | Lobes::Glass { .. } => NOTHING,
+            Lobes::RoughGlass { .. }
+            | Lobes::Mirror { .. }
+            | Lobes::Glass { .. }
+            | Lobes::RoughSheet { .. }
+            | Lobes::Sheet { .. }
+            | Lobes::Nothing => NOTHING,
         }
     }
 
@@ -170,6 +190,17 @@ impl Bsdf {
             Lobes::RoughGlass { alpha, eta } => {
                 rough_glass::sample(alpha, eta, outgoing, choice, u)?
             }
+            Lobes::RoughSheet { alpha, ior, .. } => {
+                thin_sheet::sample(alpha, ior, outgoing, choice, u)?
+            }
+            Lobes::Sheet { ior, color } => {
+                return if choice < fresnel::dielectric(ior, outgoing.z) {
+                    delta(mirrored, Vec3::ONE)
+                } else {
+                    delta(-outgoing, color)
+                };
+            }
+            Lobes::Nothing => return delta(-outgoing, Vec3::ONE),
             Lobes::Mirror { color } => {
                 return delta(mirrored, fresnel::conductor(color, outgoing.z));
             }

@@ -19,6 +19,8 @@ pub(crate) fn white(kind: MaterialKind, alpha: f32) -> MaterialPoint {
         alpha,
         ior: 1.5,
         density: Vec3::ZERO,
+        scattering: Vec3::ZERO,
+        scanisotropy: 0.0,
     }
 }
 

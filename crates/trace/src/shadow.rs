@@ -1,0 +1,91 @@
+//! How much light gets from a light source to a vertex of a path.
+
+use crate::light::LightSource;
+use crate::medium::{Media, Medium};
+use crate::path::{SHEETS, World};
+use glam::Vec3;
+use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
+use rotund_scene::{MaterialKind, SceneHit};
+
+/// Where a shadow ray starts.
+pub(crate) enum Departure<'a> {
+    /// On a surface; the medium is what is behind it, if it is the wall of something.
+    Surface { hit: &'a SceneHit, outgoing: Vec3, medium: Option<Medium> },
+    /// Inside of a medium.
+    Inside(Vec3),
+}
+
+/// Where a shadow ray goes.
+pub(crate) struct Target {
+    /// Of unit length.
+    pub(crate) incoming: Vec3,
+    /// None is infinitely far away.
+    pub(crate) source: Option<LightSource>,
+    /// How many borders of clouds it may pass: each is a segment of the path.
+    pub(crate) borders: u32,
+}
+
+impl World<'_> {
+    /// The share of the light that arrives, and how many rays it took to know.
+    ///
+    /// What is partly opaque takes its part; clouds take what they absorb and scatter; all else blocks.
+    pub(crate) fn visibility(
+        &self,
+        departure: &Departure<'_>,
+        target: &Target,
+        mut media: Media,
+    ) -> (Vec3, u64) {
+        let incoming = target.incoming;
+        // Both ends leave their surfaces. How far along the ray an end is off its surface can be
+        // less than the rounding of `t`, which is some units in the last place.
+        let end = target
+            .source
+            .map(|source| leave_surface(source.position, source.error, source.normal, -incoming));
+        let segment = |origin: Vec3| match end {
+            None => Ray::new(origin, incoming),
+            Some(end) => {
+                Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, end - origin) }
+            }
+        };
+        // What the last piece of the way lets through: none of it is in a medium without end.
+        let last_piece = |media: &Media, origin: Vec3| match end {
+            None => Vec3::ONE,
+            Some(end) => media.transmittance(end.distance(origin)),
+        };
+        let origin = match departure {
+            Departure::Surface { hit, outgoing, medium } => {
+                if let Some(medium) = medium
+                    && hit.normal.dot(*outgoing) * hit.normal.dot(incoming) < 0.0
+                {
+                    media.cross(hit, incoming, *medium);
+                }
+                leave_surface(hit.position, hit.error, hit.normal, incoming)
+            }
+            Departure::Inside(position) => *position,
+        };
+        let mut ray = segment(origin);
+        if self.opaque {
+            let blocked = self.trees.any(self.scene, &ray);
+            return (if blocked { Vec3::ZERO } else { last_piece(&media, origin) }, 1);
+        }
+        let mut share = Vec3::ONE;
+        let mut borders = target.borders;
+        for rays in 1..=u64::from(SHEETS) {
+            let Some(sheet) = self.trees.closest(self.scene, &ray) else {
+                return (share * last_piece(&media, ray.origin), rays);
+            };
+            share *= media.transmittance(sheet.position.distance(ray.origin));
+            let material = self.scene.eval_material(sheet.instance, sheet.element, sheet.uv);
+            if material.kind == MaterialKind::Volumetric && borders > 0 {
+                borders -= 1;
+                media.cross(&sheet, incoming, Medium::new(&material));
+            } else if material.opacity < 1.0 {
+                share *= 1.0 - material.opacity;
+            } else {
+                return (Vec3::ZERO, rays);
+            }
+            ray = segment(leave_surface(sheet.position, sheet.error, sheet.normal, incoming));
+        }
+        (Vec3::ZERO, u64::from(SHEETS))
+    }
+}
