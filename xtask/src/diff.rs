@@ -39,14 +39,11 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let difference = Difference::between(&a, &b).with_context(|| {
         format!("cannot compare {} with {}", args.a.display(), args.b.display())
     })?;
-    let maps = [
-        (&args.signed_map, Difference::signed_map as fn(&_) -> _),
-        (&args.flip_map, Difference::flip_map),
-    ];
-    for (path, draw) in maps {
-        if let Some(path) = path {
-            write_png(path, &draw(&difference))?;
-        }
+    if let Some(path) = &args.signed_map {
+        write_png(path, &difference.signed_map("luminance of A - B"))?;
+    }
+    if let Some(path) = &args.flip_map {
+        write_png(path, &difference.flip_map())?;
     }
     if args.json {
         return say(serde_json::to_string_pretty(&difference.metrics)?);

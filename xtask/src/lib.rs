@@ -11,6 +11,7 @@
 //! | 0 | done |
 //! | 1 | the command failed; standard error has one line, `error: ...` |
 //! | 2 | the command line was not understood; standard error says what was expected |
+//! | 130 | interrupted by Ctrl-C; nothing was written |
 //!
 //! A reader that closes standard output early (`cargo xtask ... | head`) is not an error.
 
@@ -22,21 +23,38 @@ use std::io;
 use std::process::ExitCode;
 
 mod accuracy;
+mod cancel;
+mod compare;
 mod console;
 mod diff;
 mod difference;
+mod info;
+mod kinds;
+mod output;
 mod picture;
+mod progress;
+mod render;
+mod report;
+mod scene_source;
+mod shot;
 
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  done
-  1  the command failed; standard error says why in one line
-  2  the command line was not understood";
+  0    done
+  1    the command failed; standard error says why in one line
+  2    the command line was not understood
+  130  interrupted by Ctrl-C; nothing was written
+
+Examples:
+  cargo xtask compare shapes4
+  cargo xtask render shapes4 --mode vanilla --out vanilla.png
+  cargo xtask diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
+  cargo xtask COMMAND --help";
 
 /// Points as spheres, lines as rounded cones, quads as bilinear patches: render, compare, measure.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
-#[command(arg_required_else_help = true)]
+#[command(arg_required_else_help = true, args_override_self = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -44,17 +62,26 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Measure speed against error of every intersector.
-    Accuracy(accuracy::Args),
+    /// Render a scene vanilla and enhanced, and show what changed.
+    Compare(compare::Args),
+    /// Render one picture of a scene.
+    Render(render::Args),
     /// Say in numbers how far two images are apart.
     Diff(diff::Args),
+    /// List what a scene holds.
+    Info(info::Args),
+    /// Measure speed against error of every intersector.
+    Accuracy(accuracy::Args),
 }
 
 impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
-            Self::Accuracy(args) => accuracy::run(args),
+            Self::Compare(args) => compare::run(args),
+            Self::Render(args) => render::run(args),
             Self::Diff(args) => diff::run(args),
+            Self::Info(args) => info::run(args),
+            Self::Accuracy(args) => accuracy::run(args),
         }
     }
 }
@@ -75,7 +102,8 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::FAILURE
+            let interrupted = error.is::<cancel::Cancelled>();
+            if interrupted { ExitCode::from(cancel::EXIT_CODE) } else { ExitCode::FAILURE }
         }
     }
 }

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use glam::Vec3;
 use image::RgbImage;
-use rotund_trace::output;
+use rotund_trace::{Image, output};
 use std::path::Path;
 
 /// An image in linear RGB, row by row from the top; alpha is dropped.
@@ -29,6 +29,13 @@ impl Picture {
             _ => bail!("{}: not an image this command reads (exr, hdr, png, jpg)", path.display()),
         };
         picture.with_context(|| format!("{}: cannot be read as an image", path.display()))
+    }
+}
+
+impl From<&Image> for Picture {
+    fn from(image: &Image) -> Self {
+        let pixels = image.pixels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect();
+        Self { width: image.width as usize, height: image.height as usize, pixels }
     }
 }
 

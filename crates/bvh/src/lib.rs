@@ -12,7 +12,6 @@
 
 mod build;
 mod bvh;
-mod huge;
 mod isa;
 mod node;
 mod packed;

@@ -223,7 +223,14 @@ mod tests {
     use crate::accuracy::truth::Exact;
 
     fn method<S>(closest: fn(&S, &Ray) -> Option<rotund_geometry::Hit>) -> Method<S> {
-        Method::published("planted", closest)
+        Method {
+            name: "planted",
+            own: false,
+            approximate: false,
+            closest,
+            any: None,
+            rebuild: None,
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use image::RgbImage;
 use metrics::Metrics;
 
 pub(crate) mod color;
-mod convolve;
+pub(crate) mod convolve;
 mod flip;
 mod legend;
 pub(crate) mod maps;
@@ -45,11 +45,11 @@ impl Difference {
         Ok(Self { metrics, signed: Plane { values, ..flip.clone() }, flip })
     }
 
-    /// Where `a` is lighter (red) or darker (blue) than `b`, with a legend below.
-    pub(crate) fn signed_map(&self) -> RgbImage {
+    /// Where `a` is lighter (red) or darker (blue) than `b`, with a legend below that starts with
+    /// `title`.
+    pub(crate) fn signed_map(&self, title: &str) -> RgbImage {
         let range = maps::signed_range(&self.signed);
         let labels = [format!("-{range}"), "0".to_owned(), format!("+{range}")];
-        let title = "luminance of A - B";
         legend::below(maps::signed(&self.signed, range), title, &labels, maps::diverging)
     }
 

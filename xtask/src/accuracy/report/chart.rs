@@ -12,7 +12,7 @@ pub(super) fn color(index: usize) -> &'static str {
     COLORS[index % COLORS.len()]
 }
 
-/// A named curve, or the one point of a method in a scatter.
+/// A named curve, or a point of a scatter.
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) color: &'static str,
@@ -93,7 +93,7 @@ pub(super) fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> Str
     let frame = Frame {
         left: 60.0,
         top: 30.0,
-        right: width - 110.0,
+        right: width - 130.0,
         bottom: height - 44.0,
         x: around(points.iter().map(|p| p.0)),
         y: range(points.iter().map(|p| p.1), Some(floor)),
@@ -111,9 +111,6 @@ pub(super) fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> Str
         .collect();
     let _ = write!(svg, "<polyline class=\"front\" points=\"{front}\"/>");
     let mut labelled: Vec<(f64, f64)> = Vec::new();
-    // From the top, as labels make room downwards.
-    let mut series: Vec<&Series> = series.iter().collect();
-    series.sort_by(|a, b| b.points[0].1.total_cmp(&a.points[0].1));
     for s in series {
         for &(x, y) in &s.points {
             let (px, py) = (frame.px(x), frame.py(y));
@@ -125,12 +122,9 @@ pub(super) fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> Str
                 escape(&s.name)
             );
             let mut label = py + 4.0;
-            // Below the labels that are there already.
-            let taken = |label: f64| {
-                labelled.iter().any(|&(x, y)| (x - px).abs() < 120.0 && (y - label).abs() < 12.0)
-            };
-            while taken(label) {
-                label += 3.0;
+            while labelled.iter().any(|&(x, y)| (x - px).abs() < 120.0 && (y - label).abs() < 13.0)
+            {
+                label -= 13.0;
             }
             labelled.push((px, label));
             let _ = write!(
@@ -220,7 +214,7 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>) {
         decades(frame.x.0, frame.x.1).map(|p| (10f64.powi(p), power_of_ten(p))).collect()
     } else {
         (-2..6)
-            .flat_map(|p| [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|digit| digit * 10f64.powi(p)))
+            .flat_map(|p| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(p)))
             .filter(|x| (frame.x.0..=frame.x.1).contains(x))
             .map(|x| (x, format!("{x}")))
             .collect()

@@ -1,0 +1,226 @@
+//! `report.html`: two pictures and their difference on one page that needs nothing else.
+
+use crate::difference::{Difference, maps};
+use crate::picture::Picture;
+use anyhow::Result;
+use crops::Crop;
+use std::fmt::Write as _;
+
+mod crops;
+mod embed;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// Size of a crop in pixels; it is shown four times as large.
+const CROP: (usize, usize) = (44, 33);
+const CROP_COUNT: usize = 6;
+
+/// What a page shows.
+#[derive(Debug)]
+pub(crate) struct Report<'a> {
+    /// The heading.
+    pub(crate) scene: &'a str,
+    /// Camera, size and so on, in words.
+    pub(crate) settings: &'a str,
+    /// The picture on the left of the slider.
+    pub(crate) vanilla: &'a Picture,
+    /// The picture on the right.
+    pub(crate) enhanced: &'a Picture,
+    /// `enhanced` against `vanilla`.
+    pub(crate) difference: &'a Difference,
+    /// Rows of numbers about the two renders.
+    pub(crate) timings: &'a [Timing],
+}
+
+/// One number about each of the two renders.
+#[derive(Clone, Debug)]
+pub(crate) struct Timing {
+    pub(crate) label: &'static str,
+    pub(crate) vanilla: f64,
+    pub(crate) enhanced: f64,
+    /// Digits after the decimal point.
+    pub(crate) digits: usize,
+}
+
+/// The text of the page.
+///
+/// # Errors
+///
+/// Only if an image cannot be encoded.
+pub(crate) fn page(report: &Report<'_>) -> Result<String> {
+    let Report { vanilla, enhanced, difference, .. } = report;
+    let [vanilla, enhanced] = [vanilla, enhanced].map(|picture| embed::shown(picture));
+    let worst = crops::worst(&difference.flip, CROP.0, CROP.1, CROP_COUNT);
+    let range = maps::signed_range(&difference.signed);
+    let signed = maps::signed(&difference.signed, range);
+    let flip = maps::flip(&difference.flip);
+
+    let crops = if worst.is_empty() {
+        "<p>Nowhere: the pictures look the same.</p>".to_owned()
+    } else {
+        let mut html = String::from("<div class=\"crops\">\n");
+        for (index, crop) in worst.iter().enumerate() {
+            let images = [("vanilla", &vanilla), ("enhanced", &enhanced), ("FLIP", &flip)];
+            html += &crop_figure(index + 1, crop, images)?;
+        }
+        html + "</div>"
+    };
+    let signed_title =
+        "Luminance of enhanced minus vanilla: red where enhanced is lighter, blue where darker.";
+    let flip_title = "FLIP: how visible the difference is to someone who flips between the two.";
+    let ticks = [format!("\u{2212}{range}"), "0".to_owned(), format!("+{range}")];
+    let maps = map_figure(signed_title, &embed::photo(&signed)?, &ticks, maps::diverging, "")
+        + &map_figure(
+            flip_title,
+            &embed::photo(&flip)?,
+            &["0", "0.5", "1"].map(str::to_owned),
+            maps::sequential,
+            &marks(&worst, flip.width(), flip.height()),
+        );
+    Ok(fill(
+        PAGE,
+        &[
+            ("scene", &escape(report.scene)),
+            ("settings", &escape(report.settings)),
+            ("style", STYLE.trim_end()),
+            ("script", SCRIPT.trim_end()),
+            ("width", &vanilla.width().to_string()),
+            ("height", &vanilla.height().to_string()),
+            ("vanilla", &embed::photo(&vanilla)?),
+            ("enhanced", &embed::photo(&enhanced)?),
+            ("crops", &crops),
+            ("metrics", &metrics_table(difference)),
+            ("timings", &timings_table(report.timings)),
+            ("maps", &maps),
+        ],
+    ))
+}
+
+/// Replaces each `{{name}}` of `template` once, from left to right, so that text that is filled in
+/// is never read as a template.
+///
+/// # Panics
+///
+/// If the template names a value that is not there: template and code are one program.
+fn fill(template: &str, values: &[(&str, &str)]) -> String {
+    let mut parts = template.split("{{");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").expect("each {{ has its }}");
+        let value = values.iter().find(|(key, _)| *key == name);
+        text += value.unwrap_or_else(|| panic!("no value for {{{{{name}}}}}")).1;
+        text += rest;
+    }
+    text
+}
+
+/// Text as HTML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn crop_figure(
+    number: usize,
+    crop: &Crop,
+    images: [(&str, &image::RgbImage); 3],
+) -> Result<String> {
+    let (x, y) = (crop.x, crop.y);
+    let mut html = format!(
+        "<div><h3>{number}. at x = {x}, y = {y}; mean FLIP {:.3}</h3>\n\
+         <div class=\"row\">\n",
+        crop.error
+    );
+    let (width, height) = (4 * crop.width, 4 * crop.height);
+    for (name, image) in images {
+        let uri = embed::exact(image, crop)?;
+        let alt = format!("{name}, {} by {} pixels at {x}, {y}", crop.width, crop.height);
+        writeln!(
+            html,
+            "<figure><img src=\"{uri}\" alt=\"{alt}\" width=\"{width}\" height=\"{height}\"><figcaption>{name}</figcaption></figure>"
+        )?;
+    }
+    Ok(html + "</div></div>\n")
+}
+
+fn map_figure(
+    title: &str,
+    uri: &str,
+    ticks: &[String; 3],
+    color: fn(f64) -> [u8; 3],
+    marks: &str,
+) -> String {
+    let stops: Vec<String> = (0..=16)
+        .map(|i| {
+            let [r, g, b] = color(f64::from(i) / 16.0);
+            format!("rgb({r} {g} {b})")
+        })
+        .collect();
+    let [low, middle, high] = ticks;
+    format!(
+        "<figure><div class=\"map\"><img src=\"{uri}\" alt=\"{title}\">{marks}</div>\n\
+         <div class=\"scale\" style=\"background: linear-gradient(to right, {})\"></div>\n\
+         <div class=\"ticks\"><span>{low}</span><span>{middle}</span><span>{high}</span></div>\n\
+         <figcaption>{title}</figcaption></figure>\n",
+        stops.join(", ")
+    )
+}
+
+/// Numbered frames where the crops are.
+fn marks(crops: &[Crop], width: u32, height: u32) -> String {
+    let percent = |part: usize, whole: u32| 100.0 * part as f64 / f64::from(whole);
+    let mark = |(index, crop): (usize, &Crop)| {
+        format!(
+            "<span class=\"mark\" style=\"left: {:.2}%; top: {:.2}%; width: {:.2}%; height: {:.2}%\">{}</span>",
+            percent(crop.x, width),
+            percent(crop.y, height),
+            percent(crop.width, width),
+            percent(crop.height, height),
+            index + 1
+        )
+    };
+    crops.iter().enumerate().map(mark).collect()
+}
+
+fn metrics_table(difference: &Difference) -> String {
+    let m = &difference.metrics;
+    let rows = [
+        ("mean luminance, enhanced", "", m.mean_luminance_a),
+        ("mean luminance, vanilla", "", m.mean_luminance_b),
+        ("luminance ratio", "enhanced over vanilla", m.luminance_ratio),
+        ("mean_abs", "mean of |e \u{2212} v| in linear RGB", m.mean_abs),
+        ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", m.rmse),
+        ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", m.rel_mse),
+        ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", m.rel_mse_trimmed),
+        ("flip_mean", "0: same for the eye, 1: as different as can be", m.flip_mean),
+        (
+            "changed_fraction",
+            "pixels that differ by more than two steps of 8-bit sRGB",
+            m.changed_fraction,
+        ),
+    ];
+    let mut html = String::from("<table><caption>Difference</caption><tbody>\n");
+    for (name, meaning, value) in rows {
+        html += &format!("<tr><th scope=\"row\">{name}<small>{meaning}</small></th>");
+        html += &format!("<td>{value:.6}</td></tr>\n");
+    }
+    html + "</tbody></table>"
+}
+
+fn timings_table(timings: &[Timing]) -> String {
+    let mut html = String::from(
+        "<table><caption>Time</caption>\n<thead><tr><th></th><th scope=\"col\">vanilla</th>\
+         <th scope=\"col\">enhanced</th><th scope=\"col\">ratio</th></tr></thead><tbody>\n",
+    );
+    for Timing { label, vanilla, enhanced, digits } in timings {
+        let ratio =
+            if *vanilla > 0.0 { format!("{:.2}", enhanced / vanilla) } else { String::new() };
+        html += &format!("<tr><th scope=\"row\">{label}</th><td>{vanilla:.digits$}</td>");
+        html += &format!("<td>{enhanced:.digits$}</td><td>{ratio}</td></tr>\n");
+    }
+    html + "</tbody></table>"
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,86 @@
+//! Which scene a command is about, and what can be picked in it.
+
+use anyhow::{Context, Result, anyhow, bail};
+use rotund_scene::{LoadOptions, Scene};
+use std::env;
+use std::path::{Path, PathBuf};
+
+/// A scene and what to call it.
+#[derive(Debug)]
+pub(crate) struct NamedScene {
+    /// The name of the file without its extension.
+    pub(crate) name: String,
+    pub(crate) scene: Scene,
+}
+
+/// Loads a scene: the name of one that comes with the workspace, or the path of a JSON file. What is
+/// odd about it but no error goes to standard error.
+#[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
+pub(crate) fn load(name_or_path: &str) -> Result<NamedScene> {
+    let path = locate(name_or_path)?;
+    // The text of a load error already tells its cause, so the chain would say it twice.
+    let loaded = rotund_scene::load(&path, &LoadOptions::default()).map_err(|e| anyhow!("{e}"))?;
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if loaded.scene.cameras.is_empty() {
+        bail!("{}: the scene has no camera", path.display());
+    }
+    Ok(NamedScene { name, scene: loaded.scene })
+}
+
+/// The index of the camera of that name; of the first without one.
+pub(crate) fn find_camera(scene: &NamedScene, name: Option<&str>) -> Result<usize> {
+    let Some(name) = name else { return Ok(0) };
+    let cameras = &scene.scene.cameras;
+    cameras.iter().position(|camera| camera.name == name).with_context(|| {
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        format!("{} has no camera {name:?}, only: {}", scene.name, names.join(", "))
+    })
+}
+
+/// The names of the scenes that come with the workspace, in order.
+pub(crate) fn bundled() -> Result<Vec<String>> {
+    let folder = bundled_folder();
+    let entries = std::fs::read_dir(&folder)
+        .with_context(|| format!("cannot list the scenes in {}", folder.display()))?;
+    let mut names = Vec::new();
+    for entry in entries {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "json") {
+            names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+fn locate(name_or_path: &str) -> Result<PathBuf> {
+    let path = Path::new(name_or_path);
+    let is_path = name_or_path.contains(std::path::is_separator)
+        || path.extension().is_some_and(|extension| extension == "json");
+    if is_path {
+        return Ok(path.to_owned());
+    }
+    let names = bundled()?;
+    if !names.iter().any(|name| name == name_or_path) {
+        bail!(
+            "there is no scene {name_or_path:?}; there are {}, or give the path of a JSON file",
+            names.join(", ")
+        );
+    }
+    Ok(bundled_folder().join(format!("{name_or_path}.json")))
+}
+
+/// `scenes/` of the workspace that the working directory belongs to, else of the one that this
+/// program was built in.
+fn bundled_folder() -> PathBuf {
+    let around = env::current_dir().ok().and_then(|folder| {
+        let is_root =
+            |folder: &&Path| folder.join("scenes").is_dir() && folder.join("xtask").is_dir();
+        folder.ancestors().find(is_root).map(Path::to_owned)
+    });
+    let built_in = || Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    around.unwrap_or_else(built_in).join("scenes")
+}
