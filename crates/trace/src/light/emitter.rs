@@ -1,6 +1,7 @@
 //! One element of an emissive instance.
 
 use super::flat::{self, SurfacePoint};
+use super::rectangle::Rectangle;
 use super::round::{Ball, Cone, Density, RoundPoint};
 use super::tree::Extent;
 use super::{LightSource, luminance};
@@ -33,6 +34,8 @@ pub(super) struct EmitterPoint {
 #[derive(Clone, Copy, Debug)]
 enum Surface {
     Triangle([Vec3; 3]),
+    /// A quad, with either method.
+    Rectangle(Rectangle),
     TwoTriangles([Vec3; 4]),
     /// `p00 p10 p01 p11`.
     Patch([Vec3; 4]),
@@ -73,12 +76,14 @@ fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
     let radius = |vertex: u32| shape.radii[vertex as usize];
     match (&shape.elements, shape.method) {
         (Elements::Triangles(triangles), _) => Surface::Triangle(triangles[element].map(world)),
-        (Elements::Quads(quads), Method::Vanilla) => {
-            Surface::TwoTriangles(quads[element].map(world))
-        }
-        (Elements::Quads(quads), Method::Enhanced) => {
-            let [p00, p10, p11, p01] = quads[element].map(world);
-            Surface::Patch([p00, p10, p01, p11])
+        (Elements::Quads(quads), method) => {
+            let corners = quads[element].map(world);
+            let [p00, p10, p11, p01] = corners;
+            match (Rectangle::try_new(corners), method) {
+                (Some(rectangle), _) => Surface::Rectangle(rectangle),
+                (None, Method::Vanilla) => Surface::TwoTriangles(corners),
+                (None, Method::Enhanced) => Surface::Patch([p00, p10, p01, p11]),
+            }
         }
         (Elements::Points(_) | Elements::Lines(_), Method::Vanilla) => Surface::None,
         (Elements::Points(_), Method::Enhanced) => scale(frame).map_or(Surface::None, |scale| {
@@ -116,6 +121,7 @@ impl Emitter {
     fn area(&self) -> f32 {
         match &self.surface {
             Surface::Triangle([p0, p1, p2]) => 0.5 * (p1 - p0).cross(p2 - p0).length(),
+            Surface::Rectangle(rectangle) => rectangle.area(),
             Surface::TwoTriangles(corners) => flat::triangle_areas(*corners).iter().sum(),
             Surface::Patch(corners) => {
                 let [p00, p10, p01, p11] = *corners;
@@ -154,6 +160,10 @@ impl Emitter {
                 let [p0, p1, p2] = *corners;
                 (Aabb::from_points(*corners), (p1 - p0).cross(p2 - p0).normalize_or_zero())
             }
+            Surface::Rectangle(Rectangle { corner, edges: [a, b] }) => {
+                let ends = [*corner, corner + a, corner + b, corner + a + b];
+                (Aabb::from_points(ends), a.cross(*b).normalize_or_zero())
+            }
             Surface::TwoTriangles(corners) => {
                 (Aabb::from_points(*corners), shared_normal(*corners))
             }
@@ -186,6 +196,21 @@ impl Emitter {
         };
         let point = match &self.surface {
             Surface::Triangle(corners) => surface_point(flat::triangle(*corners, u)?),
+            Surface::Rectangle(rectangle) => {
+                let seen = rectangle.sample(from, u);
+                let uv = seen.map_or(u, |(place, _)| place);
+                let [a, b] = rectangle.edges;
+                let position = rectangle.corner + uv.x * a + uv.y * b;
+                let normal = rectangle.normal();
+                let pdf = seen.map_or_else(
+                    || {
+                        let density = Density::Area(1.0 / rectangle.area());
+                        solid_angle_density(density, from, position, normal)
+                    },
+                    |(_, pdf)| pdf,
+                );
+                EmitterPoint { source: self.source(position, normal), uv, pdf }
+            }
             Surface::TwoTriangles(corners) => surface_point(flat::two_triangles(*corners, u)?),
             Surface::Patch(corners) => surface_point(flat::patch(*corners, u)?),
             Surface::Ball(ball) => round_point(ball.sample(from, u)),
@@ -199,6 +224,9 @@ impl Emitter {
     pub(super) fn pdf(&self, from: Vec3, hit: &SceneHit) -> f32 {
         let density = match &self.surface {
             Surface::Triangle(_) | Surface::TwoTriangles(_) => Density::Area(1.0 / self.area()),
+            Surface::Rectangle(rectangle) => rectangle
+                .pdf(from)
+                .map_or_else(|| Density::Area(1.0 / rectangle.area()), Density::SolidAngle),
             Surface::Patch(corners) => Density::Area(flat::patch_pdf(*corners, hit.uv)),
             Surface::Ball(ball) => ball.density(from),
             Surface::Cone(cone) => cone.density(from, hit.position),

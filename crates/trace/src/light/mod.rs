@@ -3,7 +3,10 @@
 mod emitter;
 mod environment;
 mod flat;
+mod rectangle;
 mod round;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 use emitter::Emitter;

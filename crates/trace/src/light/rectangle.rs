@@ -1,0 +1,102 @@
+//! Drawing from a rectangle, even over the directions in which it is seen.
+//!
+//! Source: C. Ureña, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical
+//! Rectangles", Computer Graphics Forum 32(4), 2013.
+
+use glam::{DVec3, Vec2, Vec3};
+use std::f64::consts::TAU;
+
+/// A corner and the edges that leave it, at a right angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rectangle {
+    pub(super) corner: Vec3,
+    pub(super) edges: [Vec3; 2],
+}
+
+/// A rectangle as seen from a point, in coordinates along its edges and away from it.
+struct Seen {
+    x: [f64; 2],
+    y: [f64; 2],
+    /// Not positive.
+    z: f64,
+    /// Of the normals of the planes through the eye and the edges along x.
+    slopes: [f64; 2],
+    offset: f64,
+    solid_angle: f64,
+}
+
+/// Below this solid angle, area is drawn. There both are even, but the angles whose sum the solid
+/// angle is have an error of up to 1e-8, the square root of the roundoff, where their cosine is near 1.
+const LEAST: f64 = 1e-4;
+
+impl Rectangle {
+    /// None if the corners, in order, do not make a rectangle up to the rounding of files.
+    pub(super) fn try_new([p0, p1, p2, p3]: [Vec3; 4]) -> Option<Self> {
+        let edges = [p1 - p0, p3 - p0];
+        let size = edges[0].length() * edges[1].length();
+        let closes = (p0 + edges[0] + edges[1]).distance_squared(p2) <= 1e-10 * size;
+        let right = edges[0].dot(edges[1]).abs() <= 1e-5 * size;
+        (closes && right && size > 0.0).then_some(Self { corner: p0, edges })
+    }
+
+    pub(super) fn area(&self) -> f32 {
+        self.edges[0].length() * self.edges[1].length()
+    }
+
+    pub(super) fn normal(&self) -> Vec3 {
+        self.edges[0].cross(self.edges[1]).normalize()
+    }
+
+    fn seen(&self, from: Vec3) -> Option<Seen> {
+        let to = self.corner.as_dvec3() - from.as_dvec3();
+        let [ex, ey] = self.edges.map(Vec3::as_dvec3);
+        let (x, y) = (ex.normalize(), ey.normalize());
+        let z = x.cross(y);
+        let z = if to.dot(z) > 0.0 { -z } else { z };
+        let depth = to.dot(z);
+        let (x0, y0) = (to.dot(x), to.dot(y));
+        let (x1, y1) = (x0 + ex.length(), y0 + ey.length());
+        let corner = |x, y| DVec3::new(x, y, depth);
+        let ring = [corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1)];
+        let plane = |i: usize| ring[i].cross(ring[(i + 1) % 4]).normalize();
+        let planes = [plane(0), plane(1), plane(2), plane(3)];
+        let angle = |a: usize, b: usize| (-planes[a].dot(planes[b])).clamp(-1.0, 1.0).acos();
+        let offset = TAU - angle(2, 3) - angle(3, 0);
+        let solid_angle = angle(0, 1) + angle(1, 2) - offset;
+        // False for a NaN: an eye in the plane of the rectangle.
+        (solid_angle > LEAST).then_some(Seen {
+            x: [x0, x1],
+            y: [y0, y1],
+            z: depth,
+            slopes: [planes[0].z, planes[2].z],
+            offset,
+            solid_angle,
+        })
+    }
+
+    /// Density per solid angle of [`Self::sample`]; none if it draws area.
+    pub(super) fn pdf(&self, from: Vec3) -> Option<f32> {
+        Some((1.0 / self.seen(from)?.solid_angle) as f32)
+    }
+
+    /// Where on the edges the point is, and its density per solid angle; none if seen too small.
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<(Vec2, f32)> {
+        let seen = self.seen(from)?;
+        let [b0, b1] = seen.slopes;
+        let (sine, cosine) = (f64::from(u.x) * seen.solid_angle + seen.offset).sin_cos();
+        let f = (cosine * b0 - b1) / sine;
+        let c = (1.0_f64.copysign(f) / (f * f + b0 * b0).sqrt()).clamp(-1.0, 1.0);
+        let x =
+            (-c * seen.z / (1.0 - c * c).max(f64::MIN_POSITIVE).sqrt()).clamp(seen.x[0], seen.x[1]);
+        let d2 = x * x + seen.z * seen.z;
+        let height = seen.y.map(|y| y / (d2 + y * y).sqrt());
+        let h = height[0] + f64::from(u.y) * (height[1] - height[0]);
+        let y =
+            (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).clamp(seen.y[0], seen.y[1]);
+        let place = Vec2::new(
+            ((x - seen.x[0]) / (seen.x[1] - seen.x[0])) as f32,
+            ((y - seen.y[0]) / (seen.y[1] - seen.y[0])) as f32,
+        );
+        Some((place, (1.0 / seen.solid_angle) as f32))
+    }
+}
