@@ -38,7 +38,7 @@ impl UvGrid {
 #[serde(deny_unknown_fields)]
 pub(crate) struct FloorGrid {
     /// Pixels of a side.
-    size: u32,
+    pub(super) size: u32,
 }
 
 impl FloorGrid {
@@ -126,14 +126,14 @@ impl Bumps {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Sky {
     /// Pixels around the horizon; half as many from zenith to nadir.
-    width: u32,
+    pub(super) width: u32,
     /// Of the sun above the horizon; the sun stands in the direction +z.
-    sun_elevation_degrees: f32,
+    pub(super) sun_elevation_degrees: f32,
     /// Haziness: 2 is very clear, 6 hazy.
-    turbidity: f32,
+    pub(super) turbidity: f32,
     /// Of the ground.
     #[serde(default)]
-    ground_albedo: f32,
+    pub(super) ground_albedo: f32,
 }
 
 impl Sky {

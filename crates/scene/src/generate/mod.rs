@@ -53,6 +53,11 @@ pub(crate) struct Unfit {
 }
 
 impl Geometry {
+    /// A square floor whose texture repeats so many times along a side.
+    pub(crate) fn floor(side: f32, texture_scale: f32) -> Self {
+        Self::Rectangle(Rectangle { steps: [1, 1], size: [side, side], texture_scale, floor: true })
+    }
+
     pub(crate) fn build(&self) -> Result<Shape, Unfit> {
         match self {
             Self::Rectangle(rectangle) => rectangle.build(),
@@ -69,6 +74,16 @@ impl Geometry {
 }
 
 impl Image {
+    pub(crate) fn clear_sky() -> Self {
+        let sky =
+            Sky { width: 512, sun_elevation_degrees: 45.0, turbidity: 3.0, ground_albedo: 0.4 };
+        Self::Sky(sky)
+    }
+
+    pub(crate) fn floor_grid() -> Self {
+        Self::FloorGrid(FloorGrid { size: 1024 })
+    }
+
     pub(crate) fn build(&self) -> Result<Texture, Unfit> {
         match self {
             Self::UvGrid(grid) => grid.build(),

@@ -15,14 +15,14 @@ use std::f32::consts::{PI, TAU};
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rectangle {
     #[serde(default = "ones")]
-    steps: [u32; 2],
+    pub(super) steps: [u32; 2],
     /// Sides in meters.
-    size: [f32; 2],
+    pub(super) size: [f32; 2],
     /// How often a texture repeats.
     #[serde(default = "one")]
-    texture_scale: f32,
+    pub(super) texture_scale: f32,
     #[serde(default)]
-    floor: bool,
+    pub(super) floor: bool,
 }
 
 fn ones() -> [u32; 2] {

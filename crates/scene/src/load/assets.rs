@@ -124,7 +124,7 @@ pub(super) fn shapes(
     Ok(shapes)
 }
 
-fn read_mesh(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
+pub(super) fn read_mesh(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
     match file::extension(path).as_str() {
         "ply" => {
             let (file, length) = file::open(path, named_by)?;

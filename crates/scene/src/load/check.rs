@@ -17,7 +17,7 @@ pub(super) fn check(path: &Path, file: &SceneFile) -> Result<(), LoadError> {
         checker.number(field("focus"), focus, "a positive number", |x| x > 0.0)?;
         checker.number(field("aperture"), camera.aperture, NOT_NEGATIVE, |x| x >= 0.0)?;
         if let Some(lookat) = camera.lookat {
-            checker.lookat(field("lookat"), lookat.frame(-1.0))?;
+            checker.lookat(field("lookat"), lookat.frame())?;
         }
     }
     for (i, (_, environment)) in file.environments.items.iter().enumerate() {
@@ -41,7 +41,7 @@ pub(super) fn check(path: &Path, file: &SceneFile) -> Result<(), LoadError> {
         let field = |name: &str| format!("instances[{i}].{name}");
         checker.frame(field("frame"), instance.frame)?;
         if let Some(lookat) = instance.lookat {
-            checker.lookat(field("lookat"), lookat.frame(1.0))?;
+            checker.lookat(field("lookat"), lookat.frame())?;
         }
     }
     Ok(())

@@ -193,7 +193,7 @@ impl<'de> Deserialize<'de> for Frame {
     }
 }
 
-/// Nine numbers: where one stands, what one looks at, and what is up.
+/// Nine numbers, in files of version 4.0: where one stands, what one looks at, and what is up.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub(super) struct LookAt([f32; 9]);
 
@@ -208,10 +208,10 @@ impl LookAt {
         eye.distance(center)
     }
 
-    /// The frame whose -z axis (cameras) or +z axis (instances) points to the centre.
-    pub(super) fn frame(self, forward: f32) -> Affine3A {
+    /// The frame at the eye whose -z axis points to the centre.
+    pub(super) fn frame(self) -> Affine3A {
         let [eye, center, up] = self.vectors();
-        let z = (forward * (center - eye)).normalize();
+        let z = (eye - center).normalize();
         let x = up.cross(z).normalize();
         let matrix = Mat3A::from_cols(x.into(), z.cross(x).into(), z.into());
         Affine3A { matrix3: matrix, translation: Vec3A::from(eye) }

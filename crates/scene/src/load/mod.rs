@@ -7,6 +7,8 @@ mod error;
 mod file;
 mod format;
 mod image;
+mod implicit;
+mod lone;
 mod mesh;
 mod ply;
 mod resolve;
@@ -25,6 +27,9 @@ pub struct LoadOptions {
     pub allow_outside_folder: bool,
     /// Load the rest if a texture cannot be read: it becomes white, and a warning says so.
     pub keep_going: bool,
+    /// Of points and lines if what is loaded is a lone shape: in the place of radii in the file, or of
+    /// one found from how far the points are apart.
+    pub radius: Option<f32>,
 }
 
 /// A scene, and what about its files was odd but not wrong.
@@ -37,7 +42,7 @@ pub struct Loaded {
 }
 
 /// Loads a scene of yocto-gl, version 4, with the files that it names: PLY for shapes; PNG, JPEG, HDR
-/// and EXR for textures.
+/// and EXR for textures. A PLY file by itself becomes a scene with a camera, a floor and a sky around it.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// whatever they claim to hold.
@@ -47,9 +52,13 @@ pub struct Loaded {
 /// If a file cannot be read or means nothing: see [`LoadError`].
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
+    if matches!(file::extension(path).as_str(), "ply" | "obj") {
+        return lone::load(path, options);
+    }
     let bytes = file::read(path, &NamedBy::default())?;
     let mut warnings = Vec::new();
-    let file = parse(path, &bytes, &mut warnings)?;
+    let mut file = parse(path, &bytes, &mut warnings)?;
+    implicit::add(path, &mut file);
     check::check(path, &file)?;
     let mut scene = resolve::resolve(path, &file, &mut warnings)?;
     scene.textures = assets::textures(path, &file, options, &mut warnings)?;

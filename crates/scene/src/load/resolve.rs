@@ -21,7 +21,7 @@ pub(super) fn resolve(
         let default = Camera::default();
         scene.cameras.push(Camera {
             name: key.clone().unwrap_or_else(|| camera.name.clone()),
-            world_from_camera: camera.lookat.map_or(camera.frame.0, |lookat| lookat.frame(-1.0)),
+            world_from_camera: camera.lookat.map_or(camera.frame.0, |lookat| lookat.frame()),
             orthographic: camera.orthographic,
             lens: camera.lens,
             film: camera.film,
@@ -68,7 +68,7 @@ pub(super) fn resolve(
     for (i, (key, instance)) in file.instances.items.iter().enumerate() {
         scene.instances.push(Instance {
             name: key.clone().unwrap_or_else(|| instance.name.clone()),
-            world_from_object: instance.lookat.map_or(instance.frame.0, |l| l.frame(1.0)),
+            world_from_object: instance.lookat.map_or(instance.frame.0, |l| l.frame()),
             shape: shapes.required(&|| format!("instances[{i}].shape"), instance.shape.as_ref())?,
             material: materials
                 .required(&|| format!("instances[{i}].material"), instance.material.as_ref())?,

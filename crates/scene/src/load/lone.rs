@@ -1,0 +1,121 @@
+//! A scene around a lone shape: a point cloud, streamlines or a mesh without a scene file.
+
+use super::{LoadOptions, Loaded, assets, error::NamedBy, mesh};
+use crate::{
+    Camera, Elements, Environment, Instance, LoadError, Material, MaterialKind, Scene, Shape,
+    generate,
+};
+use glam::{Affine3A, Mat3A, Vec3};
+use rayon::prelude::*;
+use rotund_geometry::Aabb;
+use std::path::Path;
+
+/// Frames the shape in a file with a camera, a floor and a sky.
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
+    let mut warnings = Vec::new();
+    let mesh = assets::read_mesh(path, &NamedBy::default())?;
+    let radius = match options.radius {
+        Some(radius) if radius.is_finite() && radius > 0.0 => radius,
+        Some(radius) => {
+            return Err(LoadError::Value {
+                path: path.to_owned(),
+                field: "radius".to_owned(),
+                value: radius.to_string(),
+                expected: "a positive number",
+            });
+        }
+        None if mesh.radii.is_empty() => default_radius(&mesh.positions),
+        None => mesh::DEFAULT_RADIUS,
+    };
+    let mut shape = mesh.into_shape(path, radius, &mut warnings)?;
+    shape.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if options.radius.is_some() {
+        shape.radii.fill(radius);
+    }
+    Ok(Loaded { scene: around(shape), warnings })
+}
+
+/// Half the distance to the nearest neighbour that is usual: balls that just touch.
+///
+/// The median over a sample; 0.001 m if there are no neighbours.
+fn default_radius(positions: &[Vec3]) -> f32 {
+    const SAMPLE: usize = 33;
+    let step = (positions.len() / SAMPLE).max(1);
+    let mut nearest: Vec<f32> = (0..positions.len())
+        .step_by(step)
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .map(|i| {
+            let apart = positions.iter().map(|p| p.distance_squared(positions[i]));
+            apart.filter(|square| *square > 0.0).fold(f32::INFINITY, f32::min).sqrt()
+        })
+        .filter(|distance| distance.is_finite())
+        .collect();
+    nearest.sort_unstable_by(f32::total_cmp);
+    nearest.get(nearest.len() / 2).map_or(mesh::DEFAULT_RADIUS, |distance| 0.5 * distance)
+}
+
+fn around(shape: Shape) -> Scene {
+    let bounds = Aabb::from_points(shape.positions.iter().copied());
+    let thickest = shape.radii.iter().copied().fold(0.0, f32::max);
+    let center = bounds.center();
+    // A lone point has an extent as well; and no scene is so small that f32 gives out.
+    let extent = (0.5 * (bounds.max - bounds.min)).length() + thickest;
+    let extent = extent.max(center.abs().max_element() * 1e-3).max(1e-6);
+    let floor_height = bounds.min.y - thickest;
+
+    let camera = Camera { name: "default".to_owned(), ..Camera::default() };
+    // Half the shorter side of the film over the lens is the tangent of half the field of view; stand
+    // where the ball around the shape fills most of it.
+    let tangent = 0.5 * camera.film / camera.aspect / camera.lens;
+    let distance = 1.1 * extent * (1.0 + tangent * tangent).sqrt() / tangent;
+    let z = Vec3::new(0.4, 0.45, 1.0).normalize();
+    let x = Vec3::Y.cross(z).normalize();
+    let camera = Camera {
+        world_from_camera: Affine3A {
+            matrix3: Mat3A::from_cols(x.into(), z.cross(x).into(), z.into()),
+            translation: (center + distance * z).into(),
+        },
+        focus: distance,
+        ..camera
+    };
+    let built = "constant parameters that fit";
+    let floor = generate::Geometry::floor(40.0 * extent, 80.0).build().expect(built);
+    let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));
+    let material = Material {
+        name: shape.name.clone(),
+        kind: if has_faces { MaterialKind::Matte } else { MaterialKind::Glossy },
+        color: Vec3::splat(0.7),
+        roughness: 0.3,
+        ..Material::default()
+    };
+    let ground = Material {
+        name: "floor".to_owned(),
+        color: Vec3::splat(0.7),
+        color_tex: Some(1),
+        ..Material::default()
+    };
+    let place = |name: &str, index, frame| Instance {
+        name: name.to_owned(),
+        world_from_object: frame,
+        shape: index,
+        material: index,
+    };
+    let under = Affine3A::from_translation(Vec3::new(center.x, floor_height, center.z));
+    Scene {
+        cameras: vec![camera],
+        environments: vec![Environment {
+            name: "sky".to_owned(),
+            world_from_environment: Affine3A::IDENTITY,
+            emission: Vec3::ONE,
+            emission_tex: Some(0),
+        }],
+        textures: vec![
+            generate::Image::clear_sky().build().expect(built),
+            generate::Image::floor_grid().build().expect(built),
+        ],
+        instances: vec![place("floor", 0, under), place(&shape.name, 1, Affine3A::IDENTITY)],
+        materials: vec![ground, material],
+        shapes: vec![floor, shape],
+    }
+}

@@ -1,0 +1,186 @@
+//! Shapes without a scene file, and PLY in all its forms.
+
+use rotund_geometry::glam::{Vec2, Vec3, Vec4, vec2, vec3};
+use rotund_scene::{Elements, LoadOptions, Loaded, Shape, Trees, load};
+
+/// The shape that these bytes are, and the scene around it.
+fn loaded(bytes: &[u8], options: &LoadOptions) -> Loaded {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("thing.ply");
+    std::fs::write(&path, bytes).expect("writes the file");
+    load(&path, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn shape(bytes: &[u8]) -> Shape {
+    loaded(bytes, &LoadOptions::default()).scene.shapes.swap_remove(1)
+}
+
+fn ascii(header: &str, data: &str) -> Vec<u8> {
+    format!("ply\nformat ascii 1.0\n{header}\nend_header\n{data}").into_bytes()
+}
+
+const XYZ: &str = "property float x\nproperty float y\nproperty float z";
+
+#[test]
+fn any_order_and_type_of_properties_means_the_same_in_every_encoding() {
+    let header = "element vertex 2\nproperty uchar blue\nproperty double z\nproperty float u\n\
+        property short x\nproperty list uchar ushort junk\nproperty float y\nproperty uchar red\n\
+        property float radius\nproperty uchar green\nproperty float v\n\
+        element material 1\nproperty int kd\n\
+        element line 1\nproperty int flags\nproperty list int uint vertex_index";
+    let text = ascii(
+        header,
+        "255 3 0.25 1 2 7 8 2 0 0.5 128 0.75\n0 6 0.5 -4 0 5 255 0.125 0 1\n42\n9 2 1 0\n",
+    );
+    let binary = |name: &str, big: bool| {
+        let mut bytes = format!("ply\nformat {name} 1.0\n{header}\nend_header\n").into_bytes();
+        macro_rules! put {
+            ($($value:expr),*) => {
+                $(bytes.extend(if big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() });)*
+            };
+        }
+        put!(
+            255_u8, 3_f64, 0.25_f32, 1_i16, 2_u8, 7_u16, 8_u16, 2_f32, 0_u8, 0.5_f32, 128_u8,
+            0.75_f32
+        );
+        put!(0_u8, 6_f64, 0.5_f32, -4_i16, 0_u8, 5_f32, 255_u8, 0.125_f32, 0_u8, 1_f32);
+        put!(42_i32, 9_i32, 2_i32, 1_u32, 0_u32);
+        bytes
+    };
+    for bytes in [text, binary("binary_little_endian", false), binary("binary_big_endian", true)] {
+        let shape = shape(&bytes);
+        assert_eq!(shape.positions, [vec3(1.0, 2.0, 3.0), vec3(-4.0, 5.0, 6.0)]);
+        assert_eq!(shape.elements, Elements::Lines(vec![[1, 0]]));
+        assert_eq!(shape.radii, [0.5, 0.125]);
+        // In a file v runs up.
+        assert_eq!(shape.texcoords, [vec2(0.25, 0.25), vec2(0.5, 0.0)]);
+        // Bytes are sRGB.
+        let expected = [Vec4::new(0.0, 0.215_860_5, 1.0, 1.0), Vec4::new(1.0, 0.0, 0.0, 1.0)];
+        for (color, expected) in shape.colors.iter().zip(expected) {
+            assert!(color.distance(expected) < 1e-6, "{color} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn faces_stay_triangles_until_there_is_a_quad() {
+    let faces = |count: u32, lists: &str| {
+        let header = format!(
+            "element face {count}\nproperty list uchar int vertex_indices\nelement vertex 6\n{XYZ}"
+        );
+        let vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 2 0\n2 0 0\n";
+        shape(&ascii(&header, &format!("{lists}\n{vertices}"))).elements
+    };
+    let table = [
+        ("triangles", 2, "3 0 1 2 3 2 3 0", Elements::Triangles(vec![[0, 1, 2], [2, 3, 0]])),
+        ("a quad", 1, "4 0 1 2 3", Elements::Quads(vec![[0, 1, 2, 3]])),
+        (
+            "a quad after a triangle",
+            2,
+            "3 0 1 2 4 0 1 2 3",
+            Elements::Quads(vec![[0, 1, 2, 2], [0, 1, 2, 3]]),
+        ),
+        (
+            "a triangle after a quad",
+            2,
+            "4 0 1 2 3 3 0 1 2",
+            Elements::Quads(vec![[0, 1, 2, 3], [0, 1, 2, 2]]),
+        ),
+        (
+            "a pentagon is a fan",
+            1,
+            "5 0 1 2 3 4",
+            Elements::Triangles(vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]]),
+        ),
+        (
+            "a pentagon among quads",
+            2,
+            "4 0 1 2 3 5 0 1 2 3 4",
+            Elements::Quads(vec![[0, 1, 2, 3], [0, 1, 2, 2], [0, 2, 3, 3], [0, 3, 4, 4]]),
+        ),
+        (
+            "less than a triangle is nothing",
+            2,
+            "2 0 1 3 0 1 2",
+            Elements::Triangles(vec![[0, 1, 2]]),
+        ),
+    ];
+    for (why, count, lists, expected) in table {
+        assert_eq!(faces(count, lists), expected, "{why}");
+    }
+}
+
+#[test]
+fn polylines_are_consecutive_pairs_and_points_may_be_listed_in_any_order() {
+    let list = |kind: &str, lists: &str| {
+        let header = format!(
+            "element vertex 3\n{XYZ}\nelement {kind} 2\nproperty list uchar int vertex_indices"
+        );
+        shape(&ascii(&header, &format!("0 0 0 1 0 0 2 0 0\n{lists}\n")))
+    };
+    let lines = list("line", "3 0 1 2 2 2 0");
+    assert_eq!(lines.elements, Elements::Lines(vec![[0, 1], [1, 2], [2, 0]]));
+    let points = list("point", "1 2 2 0 2");
+    assert_eq!(points.elements, Elements::Points(3));
+    assert_eq!(points.positions, [2.0 * Vec3::X, Vec3::ZERO, 2.0 * Vec3::X]);
+}
+
+#[test]
+fn vertices_alone_are_points_that_just_touch() {
+    let mut data = String::new();
+    for i in 0..100 {
+        data.push_str(&format!("{} {} 0\n", f64::from(i % 10) * 0.5, f64::from(i / 10) * 0.5));
+    }
+    let cloud = ascii(&format!("element vertex 100\n{XYZ}"), &data);
+    let found = shape(&cloud);
+    assert_eq!(found.elements, Elements::Points(100));
+    assert_eq!(found.radii, vec![0.25; 100]);
+    let options = LoadOptions { radius: Some(0.125), ..LoadOptions::default() };
+    assert_eq!(loaded(&cloud, &options).scene.shapes[1].radii, vec![0.125; 100]);
+}
+
+#[test]
+fn bad_normals_and_texture_coordinates_are_mended_with_a_warning() {
+    let header = format!(
+        "element vertex 1\n{XYZ}\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v"
+    );
+    let loaded = loaded(&ascii(&header, "0 0 0 nan 0 0 inf 0\n"), &LoadOptions::default());
+    assert_eq!(loaded.scene.shapes[1].normals, [Vec3::ZERO]);
+    assert_eq!(loaded.scene.shapes[1].texcoords, [Vec2::ZERO]);
+    assert!(
+        loaded.warnings[0].contains("2 normals or texture coordinates"),
+        "{:?}",
+        loaded.warnings
+    );
+}
+
+#[test]
+fn the_camera_of_a_lone_shape_sees_it_above_its_floor() {
+    for (why, x, y, z) in [
+        ("at the origin", "0 0 0", "0 1 0", "1 0 0"),
+        ("far away", "1000 500 -20", "1000 501 -20", "1001 500 -20"),
+        ("tiny", "0 0 0", "0 1e-4 0", "1e-4 0 0"),
+        ("a single place", "1 1 1", "1 1 1", "1 1 1"),
+    ] {
+        let bytes = ascii(&format!("element vertex 3\n{XYZ}"), &format!("{x}\n{y}\n{z}\n"));
+        let scene = loaded(&bytes, &LoadOptions::default()).scene;
+        let trees = Trees::build(&scene);
+        let seen = |u: f32, v: f32| {
+            let ray = scene.cameras[0].ray(vec2(u, v), Vec2::ZERO);
+            trees.closest(&scene, &ray).map(|hit| hit.instance)
+        };
+        let mut counts = [0, 0];
+        for i in 0..100 {
+            for j in 0..100 {
+                if let Some(instance) = seen(i as f32 / 99.0, j as f32 / 99.0) {
+                    counts[instance as usize] += 1;
+                }
+            }
+        }
+        assert!(counts[0] > 3000, "{why}: the floor fills much of the picture: {counts:?}");
+        assert!(counts[1] > 0, "{why}: the shape is in the picture: {counts:?}");
+        for border in [seen(0.0, 0.5), seen(1.0, 0.5), seen(0.5, 0.0), seen(0.5, 1.0)] {
+            assert_ne!(border, Some(1), "{why}: and not cut by its border");
+        }
+    }
+}
