@@ -8,6 +8,7 @@
 //! vectors, which are joined in order. What a task does depends on its records alone, so the tree
 //! is the same for any number of threads.
 
+use crate::huge;
 use crate::node::{Child, Node, Tree, WIDTH};
 use crate::sah::{Costs, Extent, Record, find_split, partition};
 use rayon::prelude::*;
@@ -68,7 +69,8 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
 
     let mut joined = Joined { nodes: Vec::new(), leaves: Vec::new(), roots: Vec::new() };
     let top = plan.node_count();
-    joined.nodes.reserve_exact(top + outputs.iter().map(|o| o.nodes.len()).sum::<usize>());
+    let node_count = top + outputs.iter().map(|output| output.nodes.len()).sum::<usize>();
+    joined.nodes = huge::vec_with_capacity(node_count);
     joined.leaves.reserve_exact(outputs.iter().map(|o| o.leaves.len()).sum());
     joined.nodes.resize(top, Node::EMPTY);
     for output in outputs {

@@ -44,7 +44,9 @@ pub struct SlabRay {
     near: [usize; 3],
     /// Where the interval starts.
     pub(crate) start: f32,
-    scale: f32,
+    /// Where it ends, or a little before.
+    pub(crate) end: f32,
+    pub(crate) scale: f32,
 }
 
 impl SlabRay {
@@ -77,9 +79,10 @@ impl SlabRay {
             inverse: inverse.to_array(),
             near: [0, 1, 2].map(|axis| 2 * axis + usize::from(direction[axis].is_sign_negative())),
             start: 0.0,
+            end: 0.0,
             scale,
         };
-        Some(Self { start: scaled.before(ray.t_min), ..scaled })
+        Some(Self { start: scaled.before(ray.t_min), end: scaled.before(ray.t_max), ..scaled })
     }
 
     /// The parameter of `t`, or a little less.
@@ -92,7 +95,12 @@ impl SlabRay {
     /// How far to follow the line if hits beyond `t` are of no interest.
     #[inline(always)]
     pub(crate) fn limit(&self, t: f32) -> f32 {
-        let end = t * self.scale;
+        Self::beyond(t * self.scale)
+    }
+
+    /// How far to follow the line if a hit is known not to be beyond a parameter.
+    #[inline(always)]
+    pub(crate) fn beyond(end: f32) -> f32 {
         // A parameter too small for a normal number is rounded absolutely, not relatively.
         end + (LIMIT_SLACK * end.abs()).max(f32::MIN_POSITIVE)
     }
@@ -101,8 +109,16 @@ impl SlabRay {
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
         SlabLanes {
-            origin: self.origin.to_array().map(|x| simd.splat(x)),
-            inverse: self.inverse.map(|x| simd.splat(x)),
+            origin: [
+                simd.splat(self.origin.x),
+                simd.splat(self.origin.y),
+                simd.splat(self.origin.z),
+            ],
+            inverse: [
+                simd.splat(self.inverse[0]),
+                simd.splat(self.inverse[1]),
+                simd.splat(self.inverse[2]),
+            ],
             near: self.near,
             start: simd.splat(self.start),
             slack: simd.splat(SLACK),
@@ -121,17 +137,20 @@ pub(crate) struct SlabLanes<S: Simd> {
 }
 
 impl<S: Simd> SlabLanes<S> {
+    /// Where the ray meets the planes of a row.
+    #[inline(always)]
+    fn end(&self, simd: S, node: &Node, row: usize, axis: usize) -> S::Lanes {
+        let plane = simd.load(&node.planes[row]);
+        simd.mul(simd.sub(plane, self.origin[axis]), self.inverse[axis])
+    }
+
     /// Which children the ray meets up to `limit`, and where it enters each.
     #[inline(always)]
     pub(crate) fn test(&self, simd: S, node: &Node, limit: S::Lanes) -> (S::Lanes, u32) {
-        let end = |row: usize, axis: usize| {
-            let plane = simd.load(&node.planes[row]);
-            simd.mul(simd.sub(plane, self.origin[axis]), self.inverse[axis])
-        };
         let (mut near, mut far) = (self.start, limit);
         for axis in 0..3 {
-            near = simd.max(end(self.near[axis], axis), near);
-            far = simd.min(end(self.near[axis] ^ 1, axis), far);
+            near = simd.max(self.end(simd, node, self.near[axis], axis), near);
+            far = simd.min(self.end(simd, node, self.near[axis] ^ 1, axis), far);
         }
         let far = simd.mul_add(simd.abs(far), self.slack, far);
         (near, simd.mask_le(near, far))

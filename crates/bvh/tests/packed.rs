@@ -135,7 +135,7 @@ fn cones_agree_with_a_loop() {
     for (count, size) in [(1, 1.0), (7, 0.8), (100, 0.4), (2000, 0.1)] {
         let mut random = Random(count as u64);
         let (primitives, rays) = (cones(&mut random, count, size), rays(&mut random, 1500));
-        check!(ConeTree, primitives, rays, 3, line);
+        check!(ConeTree, primitives, rays, 2, line);
     }
 }
 
@@ -144,7 +144,7 @@ fn patches_agree_with_a_loop() {
     for (count, size) in [(1, 1.0), (8, 0.8), (100, 0.4), (2000, 0.1)] {
         let mut random = Random(count as u64);
         let (primitives, rays) = (patches(&mut random, count, size), rays(&mut random, 1500));
-        check!(PatchTree, primitives, rays, 3, quad);
+        check!(PatchTree, primitives, rays, 2, quad);
     }
 }
 

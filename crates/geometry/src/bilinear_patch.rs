@@ -82,8 +82,8 @@ impl BilinearPatch {
     #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
         let space = RaySpace::new(ray);
-        let [p00, p10, p01, p11] =
-            [self.p00, self.p10, self.p01, self.p11].map(|p| space.project(p));
+        let (p00, p10) = (space.project(self.p00), space.project(self.p10));
+        let (p01, p11) = (space.project(self.p01), space.project(self.p11));
         // The patch lies in the hull of its corners. A NaN passes here and fails below.
         let (min_x, max_x) =
             (p00.x.min(p10.x).min(p01.x).min(p11.x), p00.x.max(p10.x).max(p01.x).max(p11.x));

@@ -40,14 +40,14 @@ impl RaySpace {
         } else {
             [0, 1, 2]
         };
-        let pick = |v: Vec3| axes.map(|axis| f64::from(v.to_array()[axis]));
-        Self { axes, origin: pick(ray.origin), direction: pick(ray.direction) }
+        Self { axes, origin: pick(ray.origin, axes), direction: pick(ray.direction, axes) }
     }
 
     #[inline]
     pub(crate) fn project(&self, p: Vec3) -> Image {
-        let p = p.to_array();
-        let [x, y, z] = [0, 1, 2].map(|i| f64::from(p[self.axes[i]]) - self.origin[i]);
+        let [x, y, z] = pick(p, self.axes);
+        let [ox, oy, oz] = self.origin;
+        let (x, y, z) = (x - ox, y - oy, z - oz);
         let [dx, dy, dz] = self.direction;
         Image { x: x * dz - z * dx, y: y * dz - z * dy, depth: z }
     }
@@ -57,6 +57,14 @@ impl RaySpace {
     pub(crate) fn t(&self, depth: f64) -> f64 {
         depth / self.direction[2]
     }
+}
+
+/// The coordinates in the order of `axes`. Written out: a closure would stay a call of its own where the
+/// caller is compiled for more instructions.
+#[inline]
+fn pick(v: Vec3, axes: [usize; 3]) -> [f64; 3] {
+    let v = v.to_array();
+    [f64::from(v[axes[0]]), f64::from(v[axes[1]]), f64::from(v[axes[2]])]
 }
 
 /// Twice the signed area of the triangle (ray, a, b): negated, to the last bit, if `a` and `b` change

@@ -179,14 +179,7 @@ mod tests {
     const SPHERE: Sphere = Sphere { center: Vec3::new(0.3, 0.2, 0.1), radius: 1.0 };
 
     fn leave(closest: fn(&Sphere, &Ray) -> Option<Hit>) -> Leaving {
-        let method = Method {
-            name: "planted",
-            own: false,
-            approximate: false,
-            closest,
-            any: None,
-            rebuild: None,
-        };
+        let method = Method::published("planted", closest);
         let mut random = Random::new(1);
         let mut collector = LeavingCollector::default();
         for _ in 0..500 {

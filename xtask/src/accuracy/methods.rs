@@ -12,6 +12,12 @@ pub(crate) struct Rebuilt {
     pub(crate) normal: Vec3,
 }
 
+/// What the library answers besides the closest hit: whether there is one, and its `t`.
+pub(crate) struct Others<S: 'static> {
+    pub(crate) any: fn(&S, &Ray) -> bool,
+    pub(crate) closest_t: fn(&S, &Ray) -> Option<f32>,
+}
+
 /// One intersector of a shape.
 pub(crate) struct Method<S: 'static> {
     pub(crate) name: &'static str,
@@ -21,7 +27,8 @@ pub(crate) struct Method<S: 'static> {
     pub(crate) approximate: bool,
     /// A function pointer is a call that cannot be inlined: what the clock times.
     pub(crate) closest: fn(&S, &Ray) -> Option<Hit>,
-    pub(crate) any: Option<fn(&S, &Ray) -> bool>,
+    /// The other two queries, which have to agree with it.
+    pub(crate) others: Option<Others<S>>,
     pub(crate) rebuild: Option<fn(&S, &Hit) -> Rebuilt>,
 }
 
@@ -36,15 +43,18 @@ pub(crate) trait Measured: Families {
 impl<S> Method<S> {
     const fn own(
         closest: fn(&S, &Ray) -> Option<Hit>,
-        any: fn(&S, &Ray) -> bool,
+        others: Others<S>,
         rebuild: fn(&S, &Hit) -> Rebuilt,
     ) -> Self {
-        let (any, rebuild) = (Some(any), Some(rebuild));
-        Self { name: "Rotund", own: true, approximate: false, closest, any, rebuild }
+        let (others, rebuild) = (Some(others), Some(rebuild));
+        Self { name: "Rotund", own: true, approximate: false, closest, others, rebuild }
     }
 
-    const fn published(name: &'static str, closest: fn(&S, &Ray) -> Option<Hit>) -> Self {
-        Self { name, own: false, approximate: false, closest, any: None, rebuild: None }
+    pub(crate) const fn published(
+        name: &'static str,
+        closest: fn(&S, &Ray) -> Option<Hit>,
+    ) -> Self {
+        Self { name, own: false, approximate: false, closest, others: None, rebuild: None }
     }
 
     const fn approximate(name: &'static str, closest: fn(&S, &Ray) -> Option<Hit>) -> Self {
@@ -54,10 +64,14 @@ impl<S> Method<S> {
 
 impl Measured for Sphere {
     const METHODS: &'static [Method<Self>] = &[
-        Method::own(Self::closest, Self::any, |sphere, hit| {
-            let uv = sphere.uv(hit);
-            Rebuilt { position: sphere.position(uv), normal: sphere.normal(uv) }
-        }),
+        Method::own(
+            Self::closest,
+            Others { any: Self::any, closest_t: Self::closest_t },
+            |sphere, hit| {
+                let uv = sphere.uv(hit);
+                Rebuilt { position: sphere.position(uv), normal: sphere.normal(uv) }
+            },
+        ),
         Method::approximate("vanilla point", |sphere, ray| {
             vanilla::Point { center: sphere.center, radius: sphere.radius }.closest(ray)
         }),
@@ -72,10 +86,14 @@ impl Measured for Sphere {
 
 impl Measured for RoundedCone {
     const METHODS: &'static [Method<Self>] = &[
-        Method::own(Self::closest, Self::any, |cone, hit| {
-            let uv = cone.uv(hit);
-            Rebuilt { position: cone.position(uv), normal: cone.normal(uv) }
-        }),
+        Method::own(
+            Self::closest,
+            Others { any: Self::any, closest_t: Self::closest_t },
+            |cone, hit| {
+                let uv = cone.uv(hit);
+                Rebuilt { position: cone.position(uv), normal: cone.normal(uv) }
+            },
+        ),
         Method::approximate("vanilla line", |cone, ray| {
             let Self { p0, r0, p1, r1 } = *cone;
             vanilla::Line { p0, r0, p1, r1 }.closest(ray)
@@ -89,10 +107,14 @@ impl Measured for RoundedCone {
 
 impl Measured for BilinearPatch {
     const METHODS: &'static [Method<Self>] = &[
-        Method::own(Self::closest, Self::any, |patch, hit| {
-            let uv = patch.uv(hit);
-            Rebuilt { position: patch.position(uv), normal: patch.normal(uv) }
-        }),
+        Method::own(
+            Self::closest,
+            Others { any: Self::any, closest_t: Self::closest_t },
+            |patch, hit| {
+                let uv = patch.uv(hit);
+                Rebuilt { position: patch.position(uv), normal: patch.normal(uv) }
+            },
+        ),
         Method::approximate("vanilla quad", |patch, ray| {
             let Self { p00, p10, p01, p11 } = *patch;
             vanilla::Quad { p0: p00, p1: p10, p2: p11, p3: p01 }.closest(ray)

@@ -9,6 +9,7 @@ mod families;
 mod leaving;
 mod methods;
 mod overview;
+mod progress;
 mod random;
 mod replay;
 mod report;
@@ -22,15 +23,13 @@ mod wide;
 
 use std::{
     fs,
-    io::{IsTerminal, Write as _},
+    io::Write as _,
     path::{Path, PathBuf},
-    time::Duration,
 };
 
-use anyhow::{Context, Result, bail, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
-
+use self::progress::Progress;
 use crate::console::say;
+use anyhow::{Context, Result, bail, ensure};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -51,7 +50,8 @@ pub(crate) struct Args {
     /// Only methods with this in their name. May be repeated.
     #[arg(long, value_name = "NAME")]
     method: Vec<String>,
-    /// Rays of each family and level; four times as many are aimed at each kind of joint.
+    /// Rays of each family and level; 25 times as many are aimed at each kind of place where shapes
+    /// meet.
     #[arg(long, default_value_t = 10_000, value_name = "COUNT")]
     rays: u64,
     /// Where the random numbers start.
@@ -88,12 +88,21 @@ pub(crate) fn run(args: Args) -> Result<()> {
         timing: !args.no_timing,
     };
     let rows = options.row_count();
-    ensure!(rows > 0, "no shape and family has these names; `--family` alone lists none");
-    let progress = progress(rows);
+    ensure!(
+        rows > 0,
+        "no row has the names given; the rows are\n{}",
+        study::Options::all_rows().join("\n")
+    );
+    let progress = Progress::new(rows);
     let study = study::run(&options, &progress);
-    progress.finish_and_clear();
-    ensure!(!study.shapes.is_empty(), "no method has the name given with --method");
+    progress.finish();
+    ensure!(
+        !study.shapes.is_empty(),
+        "no method of these shapes has the name given with --method; expected one of {}",
+        options.all_methods().join(", ")
+    );
     let verdicts = targets::verdicts(&study);
+    ensure!(!args.check || !verdicts.is_empty(), "nothing to check: --method leaves out our own");
     overview::print(&study, &verdicts)?;
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "study": study, "targets": verdicts });
@@ -113,18 +122,6 @@ pub(crate) fn run(args: Args) -> Result<()> {
         bail!("{} of {} targets are missed", missed.len(), verdicts.len());
     }
     Ok(())
-}
-
-/// A bar on a terminal and nothing elsewhere.
-fn progress(rows: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(rows as u64);
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} rows, {eta} left");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }
 
 /// Writes the file in one piece; its folder is made if need be.

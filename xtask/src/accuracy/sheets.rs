@@ -223,14 +223,7 @@ mod tests {
     use crate::accuracy::truth::Exact;
 
     fn method<S>(closest: fn(&S, &Ray) -> Option<rotund_geometry::Hit>) -> Method<S> {
-        Method {
-            name: "planted",
-            own: false,
-            approximate: false,
-            closest,
-            any: None,
-            rebuild: None,
-        }
+        Method::published("planted", closest)
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 use rotund_geometry::{BilinearPatch, RoundedCone, Sphere};
 use serde::Serialize;
@@ -11,6 +10,7 @@ use super::{
     families::{Curve, Row, rows},
     leaving::{Leaving, LeavingCollector},
     methods::{Measured, Method},
+    progress::Progress,
     random::Random,
     sheets::{self, Joints},
     tally::{Collector, Tally},
@@ -21,6 +21,9 @@ use super::{
 /// Hits of a row from which rays are sent on.
 const LEAVING_HITS: usize = 300;
 
+/// Rays aimed at each kind of place where shapes meet, for each ray of a row.
+const JOINT_RAYS: u64 = 25;
+
 /// What to run.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
@@ -28,7 +31,7 @@ pub(crate) struct Options {
     pub(crate) shapes: Vec<String>,
     pub(crate) families: Vec<String>,
     pub(crate) methods: Vec<String>,
-    /// Rays of each row, and a quarter of the rays aimed at joints.
+    /// Rays of each row.
     pub(crate) rays: u64,
     pub(crate) seed: u64,
     pub(crate) timing: bool,
@@ -93,6 +96,29 @@ impl Options {
         S::METHODS.iter().filter(|method| Self::has(&self.methods, method.name)).collect()
     }
 
+    /// The names of all rows there are, of any shape.
+    pub(crate) fn all_rows() -> Vec<String> {
+        fn names<S: Measured>() -> impl Iterator<Item = String> {
+            rows::<S>().map(|row| format!("  {}: {}", S::NAME, row.label()))
+        }
+        names::<Sphere>().chain(names::<RoundedCone>()).chain(names::<BilinearPatch>()).collect()
+    }
+
+    /// The names of all methods of the shapes that are asked for.
+    pub(crate) fn all_methods(&self) -> Vec<&'static str> {
+        fn names<S: Measured>(shapes: &[String]) -> impl Iterator<Item = &'static str> {
+            let asked = Options::has(shapes, S::NAME);
+            S::METHODS.iter().filter(move |_| asked).map(|method| method.name)
+        }
+        let mut all: Vec<&str> = names::<Sphere>(&self.shapes)
+            .chain(names::<RoundedCone>(&self.shapes))
+            .chain(names::<BilinearPatch>(&self.shapes))
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
     /// How many rows the study has.
     pub(crate) fn row_count(&self) -> usize {
         self.rows::<Sphere>().len()
@@ -102,21 +128,21 @@ impl Options {
 }
 
 /// Runs all; `progress` counts rows.
-pub(crate) fn run(options: &Options, progress: &ProgressBar) -> Study {
+pub(crate) fn run(options: &Options, progress: &Progress) -> Study {
     let mut shapes = Vec::new();
     shapes.extend(shape::<Sphere>(options, progress, |_| Vec::new()));
     shapes.extend(shape::<RoundedCone>(options, progress, |methods| {
-        sheets::chains(methods, options.rays * 4, options.seed)
+        sheets::chains(methods, options.rays * JOINT_RAYS, options.seed)
     }));
     shapes.extend(shape::<BilinearPatch>(options, progress, |methods| {
-        sheets::sheets(methods, options.rays * 4, options.seed)
+        sheets::sheets(methods, options.rays * JOINT_RAYS, options.seed)
     }));
     Study { seed: options.seed, rays: options.rays, shapes }
 }
 
 fn shape<S: Measured>(
     options: &Options,
-    progress: &ProgressBar,
+    progress: &Progress,
     joints: impl FnOnce(&[&Method<S>]) -> Vec<Joints>,
 ) -> Option<ShapeResult> {
     let (rows, methods) = (options.rows::<S>(), options.methods::<S>());
@@ -127,13 +153,14 @@ fn shape<S: Measured>(
         .par_iter()
         .map(|row| {
             let result = measure(row, &methods, options);
-            progress.inc(1);
+            progress.row();
             result
         })
         .collect();
     // A family that was asked for by name is not a question about joints.
     let joints = if options.families.is_empty() { joints(&methods) } else { Vec::new() };
     let timings = if options.timing { timing::time(&methods, options.seed) } else { Vec::new() };
+    progress.shape(S::NAME, rows.len());
     Some(ShapeResult { shape: S::NAME, rows: results, joints, timings })
 }
 

@@ -1,11 +1,11 @@
 //! What one method did on one row: counts, and how errors are spread.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rotund_geometry::{Hit, Ray};
 use serde::Serialize;
 
 use super::{
-    methods::{Measured, Method},
+    methods::{Measured, Method, Others},
     replay::Case,
     truth::{Crossing, Truth, unit_of},
 };
@@ -56,8 +56,8 @@ pub(crate) struct Tally {
     pub(crate) invalid: usize,
     /// Hits farther from the surface than their own bound says.
     pub(crate) bounds_broken: usize,
-    /// Rays of which `any` says something else than `closest`.
-    pub(crate) any_differs: usize,
+    /// Rays of which `any` or `closest_t` says something else than `closest`.
+    pub(crate) queries_differ: usize,
     /// Units of 2⁻²⁴ t.
     pub(crate) t: Spread,
     /// Distance from the surface, units of 2⁻²⁴ max(|p|, size): the position that comes with the hit.
@@ -68,6 +68,8 @@ pub(crate) struct Tally {
     pub(crate) rebuilt: Spread,
     /// From the true point to the rebuilt one, same units.
     pub(crate) round_trip: Spread,
+    /// From the true parameters of a patch to those of the hit, the larger of both, in 2⁻²⁴.
+    pub(crate) uv: Spread,
     /// Degrees.
     pub(crate) normal: Spread,
     /// Degrees, of the normal rebuilt from the parameters.
@@ -92,6 +94,7 @@ pub(crate) struct Collector {
     on_ray: Vec<f64>,
     rebuilt: Vec<f64>,
     round_trip: Vec<f64>,
+    uv: Vec<f64>,
     normal: Vec<f64>,
     rebuilt_normal: Vec<f64>,
 }
@@ -107,11 +110,11 @@ impl Collector {
     ) -> Option<Hit> {
         let found = (method.closest)(shape, ray);
         let case = || Case::of(shape, ray).to_string();
-        if let Some(any) = method.any
-            && any(shape, ray) != found.is_some()
+        if let Some(Others { any, closest_t }) = method.others
+            && (any(shape, ray) != found.is_some() || closest_t(shape, ray) != found.map(|h| h.t))
         {
-            self.tally.any_differs += 1;
-            self.worst("any differs from closest", 1.0, case);
+            self.tally.queries_differ += 1;
+            self.worst("queries differ", 1.0, case);
         }
         if !truth.either {
             *(if truth.hit.is_some() {
@@ -166,7 +169,10 @@ impl Collector {
         let case = || Case::of(shape, ray).to_string();
         let point = expected.point.to_f64();
         let unit = UNIT * point.length().max(shape.size());
-        let off = |p: Vec3| shape.distance(p.into(), expected);
+        let least = |error: &dyn Fn(&Crossing) -> f64| {
+            same_place(truth, expected).map(error).fold(f64::INFINITY, f64::min)
+        };
+        let off = |p: Vec3| least(&|c| shape.distance(p.into(), c));
 
         let distance = off(hit.position);
         if hit.error > 0.0 && distance > f64::from(hit.error) {
@@ -177,17 +183,20 @@ impl Collector {
         self.worst("position", distance / unit, case);
         self.on_ray.push(off(ray.at(hit.t)) / unit);
 
-        let normal = normal_error(hit.normal, expected, truth);
+        let normal = least(&|c| normal_error(hit.normal, c));
         self.normal.push(normal);
         self.worst("normal", normal, case);
 
+        if let Some(uv) = expected.uv {
+            self.uv.push((hit.parameters.as_dvec2() - uv).abs().max_element() / UNIT);
+        }
         if let Some(rebuild) = method.rebuild {
             let rebuilt = rebuild(shape, hit);
             let distance = off(rebuilt.position) / unit;
             self.rebuilt.push(distance);
             self.worst("rebuilt", distance, case);
             self.round_trip.push((rebuilt.position.as_dvec3() - point).length() / unit);
-            self.rebuilt_normal.push(normal_error(rebuilt.normal, expected, truth));
+            self.rebuilt_normal.push(least(&|c| normal_error(rebuilt.normal, c)));
         }
     }
 
@@ -209,6 +218,7 @@ impl Collector {
             on_ray: Spread::of(self.on_ray),
             rebuilt: Spread::of(self.rebuilt),
             round_trip: Spread::of(self.round_trip),
+            uv: Spread::of(self.uv),
             normal: Spread::of(self.normal),
             rebuilt_normal: Spread::of(self.rebuilt_normal),
             ..self.tally
@@ -217,19 +227,16 @@ impl Collector {
 }
 
 /// The angle, in degrees, that has the chord from `found` to the true normal, so that a length other
-/// than one is an error too. Where the surface crosses itself at one `t` either normal is true.
-fn normal_error(found: Vec3, expected: &Crossing, truth: &Truth) -> f64 {
+/// than one is an error too.
+fn normal_error(found: Vec3, crossing: &Crossing) -> f64 {
+    let chord = found.as_dvec3().distance(crossing.normal);
+    (2.0 * (0.5 * chord).min(1.0).asin()).to_degrees()
+}
+
+/// Where a surface crosses itself, the crossings that share the place of the expected one: each is true.
+fn same_place<'a>(truth: &'a Truth, expected: &'a Crossing) -> impl Iterator<Item = &'a Crossing> {
     let t = expected.t.to_f64();
-    let angle = |normal: DVec3| {
-        let chord = found.as_dvec3().distance(normal);
-        (2.0 * (0.5 * chord).min(1.0).asin()).to_degrees()
-    };
-    truth
-        .crossings
-        .iter()
-        .filter(|c| (c.t.to_f64() - t).abs() <= unit_of(t))
-        .map(|c| angle(c.normal))
-        .fold(angle(expected.normal), f64::min)
+    truth.crossings.iter().filter(move |c| (c.t.to_f64() - t).abs() <= 1e-12 * t.abs())
 }
 
 #[cfg(test)]
@@ -241,14 +248,7 @@ mod tests {
     const SPHERE: Sphere = Sphere { center: Vec3::ZERO, radius: 1.0 };
 
     fn judge(closest: fn(&Sphere, &Ray) -> Option<Hit>, rays: &[Ray]) -> Tally {
-        let method = Method {
-            name: "planted",
-            own: false,
-            approximate: false,
-            closest,
-            any: None,
-            rebuild: None,
-        };
+        let method = Method::published("planted", closest);
         let mut collector = Collector::default();
         for ray in rays {
             collector.add(&method, &SPHERE, ray, &Truth::of(&SPHERE, ray));
@@ -300,6 +300,18 @@ mod tests {
         assert!(near(tally.position.max, 1e-3 / UNIT), "{:?}", tally.position);
         assert!(near(tally.normal.p99, 1e-2f64.to_degrees()), "{:?}", tally.normal);
         assert_eq!(tally.bounds_broken, 3, "the bound of the hit was true of its own position");
+    }
+
+    #[test]
+    fn queries_that_disagree_are_counted() {
+        let others = Others { any: |_, _| true, closest_t: Sphere::closest_t };
+        let method =
+            Method { others: Some(others), ..Method::published("planted", Sphere::closest) };
+        let mut collector = Collector::default();
+        for ray in &rays() {
+            collector.add(&method, &SPHERE, ray, &Truth::of(&SPHERE, ray));
+        }
+        assert_eq!(collector.finish().queries_differ, 2, "the rays that miss");
     }
 
     #[test]

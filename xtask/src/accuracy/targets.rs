@@ -70,9 +70,9 @@ const TARGETS: &[Target] = &[
         value: |m| m.tally.bounds_broken as f64,
     },
     Target {
-        what: "rays of which any and closest differ",
+        what: "rays of which any, closest_t and closest differ",
         limit: |_, _| 0.0,
-        value: |m| m.tally.any_differs as f64,
+        value: |m| m.tally.queries_differ as f64,
     },
     Target {
         what: "safe offset along n, max, 2⁻²⁴ max(|o|, |p|)",
@@ -218,10 +218,11 @@ pub(crate) fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use indicatif::ProgressBar;
-
     use super::*;
-    use crate::accuracy::study::{self, Options};
+    use crate::accuracy::{
+        progress::Progress,
+        study::{self, Options},
+    };
 
     #[test]
     fn a_planted_miss_of_a_target_names_its_row() {
@@ -233,7 +234,7 @@ mod tests {
             seed: 1,
             timing: false,
         };
-        let mut study = study::run(&options, &ProgressBar::hidden());
+        let mut study = study::run(&options, &Progress::hidden());
         assert!(verdicts(&study).iter().all(|v| v.met), "{:#?}", verdicts(&study));
 
         // The textbook's results under the own name.

@@ -59,14 +59,7 @@ pub(crate) const LOOP: &str = "the loop alone";
 
 /// Times all methods of a shape; single-threaded.
 pub(crate) fn time<S: Measured>(methods: &[&Method<S>], seed: u64) -> Vec<Timing> {
-    let nothing = Method {
-        name: LOOP,
-        own: false,
-        approximate: true,
-        closest: |_, _| None,
-        any: None,
-        rebuild: None,
-    };
+    let nothing = Method::published(LOOP, |_, _| None);
     let methods: Vec<&Method<S>> = methods.iter().copied().chain([&nothing]).collect();
     let (hits, misses) =
         (pairs::<S>(seed, FRESH_PAIRS / 2, true), pairs::<S>(seed, FRESH_PAIRS / 2, false));

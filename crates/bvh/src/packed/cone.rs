@@ -15,7 +15,7 @@
 //!
 //! The hull of the balls has no point nearer along the ray than the nearer pole of the two balls.
 
-use super::kernel::{Block, Kernel, RoundLanes, dot};
+use super::kernel::{Block, Candidates, Kernel, RoundLanes, dot, load3, neg_mul_add, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -33,7 +33,7 @@ impl Kernel for RoundedCone {
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
 
-    fn pack(lanes: &[Self; WIDTH]) -> Block<8> {
+    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Block<8> {
         let row = |number: fn(&Self) -> f32| std::array::from_fn(|lane| number(&lanes[lane]));
         Block {
             rows: [
@@ -46,6 +46,7 @@ impl Kernel for RoundedCone {
                 row(|c| c.p1.z),
                 row(|c| c.r1),
             ],
+            ids,
         }
     }
 
@@ -61,22 +62,21 @@ impl Kernel for RoundedCone {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd>(
+    fn candidates<S: Simd, const VANILLA: bool>(
         simd: S,
         ray: &RoundLanes<S>,
         block: &Block<8>,
         limit: f32,
-    ) -> (u32, S::Lanes) {
-        let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref().map(|row| simd.load(row));
-        let first = ray.project(simd, [x0, y0, z0]);
-        let second = ray.project(simd, [x1, y1, z1]);
-        let axis: [S::Lanes; 3] =
-            std::array::from_fn(|i| simd.sub(first.beside[i], second.beside[i]));
+    ) -> Candidates<S> {
+        let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref();
+        let first = ray.project(simd, load3(simd, [x0, y0, z0]));
+        let second = ray.project(simd, load3(simd, [x1, y1, z1]));
+        let (r0, r1) = (simd.load(r0), simd.load(r1));
+        let axis = sub(simd, first.beside, second.beside);
         let s = simd.div(dot(simd, first.beside, axis), dot(simd, axis, axis));
         // An axis along the ray gives NaN, and then zero.
         let s = simd.min(simd.max(s, simd.splat(0.0)), simd.splat(1.0));
-        let beside: [S::Lanes; 3] =
-            std::array::from_fn(|i| simd.neg_mul_add(s, axis[i], first.beside[i]));
+        let beside = neg_mul_add(simd, s, axis, first.beside);
         let distance = dot(simd, beside, beside);
         let radius = simd.max(r0, r1);
         let square = simd.mul_add(radius, radius, simd.splat(f32::MIN_POSITIVE));
@@ -87,7 +87,7 @@ impl Kernel for RoundedCone {
         );
         let kept = simd.mask_not_gt(distance, reach);
         if kept == 0 {
-            return (0, distance);
+            return Candidates::none(simd);
         }
         let size = simd.max(simd.abs(first.t), simd.abs(second.t));
         let size = simd.mul_add(radius, ray.inverse_length, size);
@@ -100,7 +100,7 @@ impl Kernel for RoundedCone {
         let far = simd.max(simd.add(first.t, h0), simd.add(second.t, h1));
         let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(ray.start, far);
         // In this order a NaN becomes the start.
-        (kept & within, simd.max(near, ray.start))
+        Candidates { maybe: kept & within, surely: 0, near: simd.max(near, ray.start), far }
     }
 
     #[inline(always)]

@@ -8,7 +8,11 @@
 //! `2 S` of zero, since the slopes are at most one. So the signed area `x_i y_j - x_j y_i` of such a ray is
 //! wrong by less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`, for which `2^-18 S (|z_0| + 4 S)` is enough, `z_0`
 //! being that of any one corner. Signs within that count as either.
+//!
+//! That a ray hits for sure must not rest on its being near: there, `x_0` and `y_0` are asked to be at most
+//! `2 S`, so that all corners are within `4 S`, and four times the error is allowed for.
 
+use super::kernel::{Candidates, load3, splat, sub};
 use crate::simd::Simd;
 use crate::slab::SlabRay;
 use rotund_geometry::glam::Vec3;
@@ -22,7 +26,8 @@ pub struct FlatLanes<S: Simd> {
     slope: [S::Lanes; 2],
     /// From `z` to the parameter.
     inverse: S::Lanes,
-    pub(crate) start: S::Lanes,
+    start: S::Lanes,
+    end: S::Lanes,
 }
 
 impl<S: Simd> FlatLanes<S> {
@@ -36,21 +41,24 @@ impl<S: Simd> FlatLanes<S> {
         } else {
             [0, 1, 2]
         };
-        let [dx, dy, dz] = axes.map(|axis| ray.direction[axis]);
+        let pick = |v: Vec3| Vec3::from_array(axes.map(|axis| v[axis]));
+        let direction = pick(ray.direction);
         Self {
             axes,
-            origin: axes.map(|axis| simd.splat(ray.origin[axis])),
-            slope: [simd.splat(dx / dz), simd.splat(dy / dz)],
-            inverse: simd.splat(dz.recip()),
+            origin: splat(simd, pick(ray.origin)),
+            slope: [simd.splat(direction.x / direction.z), simd.splat(direction.y / direction.z)],
+            inverse: simd.splat(direction.z.recip()),
             start: simd.splat(ray.start),
+            end: simd.splat(ray.end),
         }
     }
 
     /// Loads a corner, given its three rows, and looks at it along the ray.
     #[inline(always)]
     pub(crate) fn corner(&self, simd: S, rows: &[[f32; 8]; 3]) -> Corner<S> {
-        let [x, y, z]: [S::Lanes; 3] =
-            std::array::from_fn(|i| simd.sub(simd.load(&rows[self.axes[i] % 3]), self.origin[i]));
+        let [x, y, z] = self.axes;
+        let picked = load3(simd, [&rows[x % 3], &rows[y % 3], &rows[z % 3]]);
+        let [x, y, z] = sub(simd, picked, self.origin);
         Corner {
             x: simd.neg_mul_add(z, self.slope[0], x),
             y: simd.neg_mul_add(z, self.slope[1], y),
@@ -62,18 +70,40 @@ impl<S: Simd> FlatLanes<S> {
     #[inline(always)]
     pub(crate) fn area_error(&self, simd: S, size: S::Lanes, z: S::Lanes) -> S::Lanes {
         let depth = simd.mul_add(size, simd.splat(4.0), simd.abs(z));
-        simd.mul(simd.mul(size, simd.splat(2f32.powi(-18))), depth)
+        let error = simd.mul(size, simd.splat(2f32.powi(-18)));
+        // Products that underflow are off by less than the smallest normal number.
+        simd.mul_add(error, depth, simd.splat(f32::MIN_POSITIVE))
     }
 
-    /// Which lanes have a part in the interval of the ray up to `limit`, and where the part begins at
-    /// the earliest.
+    /// Lanes where the outline, of which these are the least and the largest area, turns around the ray
+    /// beyond all error.
     #[inline(always)]
-    pub(crate) fn interval<const CORNERS: usize>(
+    pub(crate) fn surely(
         &self,
         simd: S,
-        corners: [Corner<S>; CORNERS],
+        corner: &Corner<S>,
+        size: S::Lanes,
+        error: S::Lanes,
+        [least, most]: [S::Lanes; 2],
+    ) -> u32 {
+        let error = simd.mul(error, simd.splat(4.0));
+        let turns =
+            simd.mask_le(error, least) | simd.mask_le(most, simd.sub(simd.splat(0.0), error));
+        let away = simd.max(simd.abs(corner.x), simd.abs(corner.y));
+        turns & simd.mask_le(away, simd.add(size, size))
+    }
+
+    /// Of the lanes that the line may cross, and of those that it surely does, those where it does so
+    /// in the interval of the ray up to `limit`.
+    #[inline(always)]
+    pub(crate) fn candidates(
+        &self,
+        simd: S,
+        corners: &[Corner<S>],
         limit: f32,
-    ) -> (u32, S::Lanes) {
+        maybe: u32,
+        surely: u32,
+    ) -> Candidates<S> {
         let (mut least, mut most) = (corners[0].z, corners[0].z);
         for corner in &corners[1..] {
             (least, most) = (simd.min(corner.z, least), simd.max(corner.z, most));
@@ -84,7 +114,9 @@ impl<S: Simd> FlatLanes<S> {
         let near = simd.neg_mul_add(simd.abs(near), slack, near);
         let far = simd.mul_add(simd.abs(far), slack, far);
         let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(self.start, far);
-        (within, simd.max(near, self.start))
+        let inside = simd.mask_le(self.start, near) & simd.mask_le(far, self.end);
+        let maybe = maybe & within;
+        Candidates { maybe, surely: surely & inside & maybe, near: simd.max(near, self.start), far }
     }
 }
 

@@ -13,13 +13,14 @@ mod sphere;
 mod triangle;
 
 use crate::build::build;
+use crate::huge;
 use crate::isa::Isa;
 use crate::node::{Tree, WIDTH};
 use crate::sah::Costs;
 use crate::simd::{Simd, Task};
 use crate::slab::SlabRay;
 use crate::traverse;
-use kernel::Kernel;
+use kernel::{Candidates, HasIds, Kernel, NO_ID};
 use rayon::prelude::*;
 use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 
@@ -63,12 +64,8 @@ pub struct Packed<P: Kernel> {
     tree: Tree,
     /// One for each leaf.
     blocks: Vec<P::Block>,
-    /// The primitives of each block, [`NO_ID`] for lanes that are not used.
-    ids: Vec<[u32; WIDTH]>,
     isa: Isa,
 }
-
-const NO_ID: u32 = u32::MAX;
 
 impl<P: Kernel> Packed<P> {
     /// Builds a tree on all threads of the current rayon pool. It does not depend on their number.
@@ -87,10 +84,11 @@ impl<P: Kernel> Packed<P> {
             let ids: [u32; WIDTH] =
                 std::array::from_fn(|lane| records.get(lane).map_or(NO_ID, |record| record.id()));
             let lane = |id: u32| primitives[if id == NO_ID { ids[0] } else { id } as usize];
-            (P::pack(&ids.map(lane)), ids)
+            P::pack(&ids.map(lane), ids)
         };
-        let (blocks, ids) = built.leaves.par_iter().map(packed).unzip();
-        Self { tree: built.tree, blocks, ids, isa: Isa::default_set() }
+        let mut blocks = huge::vec_with_capacity(built.leaves.len());
+        built.leaves.par_iter().map(packed).collect_into_vec(&mut blocks);
+        Self { tree: built.tree, blocks, isa: Isa::default_set() }
     }
 
     /// The box of all primitives; [`Aabb::EMPTY`] if there is none.
@@ -151,20 +149,17 @@ impl<P: Kernel, const VANILLA: bool> Task for ClosestTask<'_, P, VANILLA> {
             ray: self.ray,
             slab_ray: &slab_ray,
             lanes: P::lanes(simd, &slab_ray),
-            t: f32::INFINITY,
-            id: NO_ID,
-            block: 0,
-            lane: 0,
+            best: Best::NONE,
         };
         let limit = slab_ray.limit(self.ray.t_max);
         traverse::closest(simd, &self.tree.tree, &slab_ray, limit, &mut visitor);
-        if visitor.id == NO_ID {
+        let best = visitor.best;
+        if best.id == NO_ID {
             return None;
         }
-        let primitive = P::unpack(&self.tree.blocks[visitor.block], visitor.lane);
-        let hit = primitive.closest::<VANILLA>(self.ray)?;
-        debug_assert_eq!(hit.t, visitor.t, "the two exact tests agree");
-        Some((visitor.id, hit))
+        let hit = P::unpack(&self.tree.blocks[best.block], best.lane).closest::<VANILLA>(self.ray);
+        debug_assert!(hit.is_some(), "what was sure to be hit is hit");
+        Some((best.id, hit?))
     }
 }
 
@@ -173,10 +168,43 @@ struct FindClosest<'a, S: Simd, P: Kernel, const VANILLA: bool> {
     ray: &'a Ray,
     slab_ray: &'a SlabRay,
     lanes: P::Lanes<S>,
-    t: f32,
+    best: Best,
+}
+
+/// The closest hit so far.
+///
+/// Where the wide test is sure, the exact one waits: most rays end with a single exact test, of what is
+/// known to be closest. It is made up for as soon as another candidate might be nearer.
+#[derive(Clone, Copy)]
+struct Best {
     id: u32,
     block: usize,
     lane: usize,
+    /// The exact `t`, or `None` while it waits.
+    t: Option<f32>,
+    /// A bound below the parameter of the hit.
+    near: f32,
+}
+
+impl Best {
+    const NONE: Self =
+        Self { id: NO_ID, block: 0, lane: 0, t: Some(f32::INFINITY), near: f32::INFINITY };
+}
+
+impl<S: Simd, P: Kernel, const VANILLA: bool> FindClosest<'_, S, P, VANILLA> {
+    /// The exact `t` of a primitive. With the whole interval and not the shrunken one: ties count, and
+    /// are settled by the caller.
+    #[inline(always)]
+    fn exact(&self, block: usize, lane: usize) -> Option<f32> {
+        P::unpack(&self.packed.blocks[block], lane).closest_t::<VANILLA>(self.ray)
+    }
+
+    /// A bound below the parameter of `t`.
+    #[inline(always)]
+    fn near(&self, t: f32) -> f32 {
+        let t = t * self.slab_ray.scale;
+        t - 4.0 * f32::EPSILON * t.abs() - f32::MIN_POSITIVE
+    }
 }
 
 impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Closest<S>
@@ -185,12 +213,13 @@ impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Closest<S>
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize, mut limit: f32) -> f32 {
         let block = &self.packed.blocks[index];
-        let (mut mask, near) = P::candidates(simd, &self.lanes, block, limit);
+        let Candidates { maybe: mut mask, surely, near, far } =
+            P::candidates::<S, VANILLA>(simd, &self.lanes, block, limit);
         if mask == 0 {
             return limit;
         }
-        let ids = &self.packed.ids[index];
-        let near = simd.to_array(near);
+        let ids = block.ids();
+        let (near, far) = (simd.to_array(near), simd.to_array(far));
         while mask != 0 {
             let mut lane = mask.trailing_zeros() as usize % WIDTH;
             let mut rest = mask & (mask - 1);
@@ -206,11 +235,29 @@ impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Closest<S>
             if near[lane] > limit || id == NO_ID {
                 continue;
             }
-            // The whole interval and not the shrunken one: ties count, and are settled here.
-            if let Some(t) = P::unpack(block, lane).closest_t::<VANILLA>(self.ray)
-                && (t < self.t || (t == self.t && id < self.id))
+            if surely >> lane & 1 == 1 && far[lane] < self.best.near {
+                self.best = Best { id, block: index, lane, t: None, near: near[lane] };
+                limit = SlabRay::beyond(far[lane]);
+                continue;
+            }
+            let best_t = match self.best.t {
+                Some(t) => t,
+                None => {
+                    let t = self.exact(self.best.block, self.best.lane);
+                    debug_assert!(t.is_some(), "what was sure to be hit is hit");
+                    let t = t.unwrap_or(f32::INFINITY);
+                    (self.best.t, self.best.near) = (Some(t), self.near(t));
+                    limit = limit.min(self.slab_ray.limit(t));
+                    if near[lane] > limit {
+                        continue;
+                    }
+                    t
+                }
+            };
+            if let Some(t) = self.exact(index, lane)
+                && (t < best_t || (t == best_t && id < self.best.id))
             {
-                (self.t, self.id, self.block, self.lane) = (t, id, index, lane);
+                self.best = Best { id, block: index, lane, t: Some(t), near: self.near(t) };
                 limit = self.slab_ray.limit(t);
             }
         }
@@ -251,11 +298,16 @@ impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Any<S> for FindAny<'_, S
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize) -> bool {
         let block = &self.packed.blocks[index];
-        let (mut mask, _) = P::candidates(simd, &self.lanes, block, self.limit);
+        let Candidates { maybe: mut mask, surely, .. } =
+            P::candidates::<S, VANILLA>(simd, &self.lanes, block, self.limit);
+        if surely != 0 {
+            // Also if the lane is not used: it repeats the first.
+            return true;
+        }
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
-            if self.packed.ids[index][lane] != NO_ID
+            if block.ids()[lane] != NO_ID
                 && P::unpack(block, lane).closest_t::<VANILLA>(self.ray).is_some()
             {
                 return true;

@@ -6,8 +6,8 @@
 //! the union of those of its four faces; each is met if its three signed areas have the same sign,
 //! so if the least of them is not negative or the largest not positive.
 
-use super::flat::{Corner, FlatLanes, area, largest_side};
-use super::kernel::{Block, Kernel};
+use super::flat::{FlatLanes, area, largest_side};
+use super::kernel::{Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -23,7 +23,7 @@ impl Kernel for BilinearPatch {
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
 
-    fn pack(lanes: &[Self; WIDTH]) -> Block<13> {
+    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Block<13> {
         let mut rows = [[0.0; WIDTH]; 13];
         for (lane, patch) in lanes.iter().enumerate() {
             let corners = [patch.p00, patch.p10, patch.p11, patch.p01];
@@ -34,7 +34,7 @@ impl Kernel for BilinearPatch {
             }
             rows[12][lane] = largest_side(&corners);
         }
-        Block { rows }
+        Block { rows, ids }
     }
 
     #[inline(always)]
@@ -54,39 +54,43 @@ impl Kernel for BilinearPatch {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd>(
+    fn candidates<S: Simd, const VANILLA: bool>(
         simd: S,
         ray: &FlatLanes<S>,
         block: &Block<13>,
         limit: f32,
-    ) -> (u32, S::Lanes) {
+    ) -> Candidates<S> {
         let (corners, _) = block.rows.as_chunks::<3>();
-        let [c0, c1, c2, c3]: [Corner<S>; 4] =
-            std::array::from_fn(|i| ray.corner(simd, &corners[i]));
+        let c0 = ray.corner(simd, &corners[0]);
+        let c1 = ray.corner(simd, &corners[1]);
+        let c2 = ray.corner(simd, &corners[2]);
+        let c3 = ray.corner(simd, &corners[3]);
         let (a01, a12) = (area(simd, c0, c1), area(simd, c1, c2));
         let (a23, a30) = (area(simd, c2, c3), area(simd, c3, c0));
         // Both directions of the diagonals: rounding is the same but for the sign.
         let (a02, a13) = (area(simd, c0, c2), area(simd, c1, c3));
         let zero = simd.splat(0.0);
         let (a20, a31) = (simd.sub(zero, a02), simd.sub(zero, a13));
-        let least = |a, b, c| simd.min(simd.min(a, b), c);
-        let most = |a, b, c| simd.max(simd.max(a, b), c);
         let positive = simd.max(
-            simd.max(least(a01, a12, a20), least(a02, a23, a30)),
-            simd.max(least(a01, a13, a30), least(a12, a23, a31)),
+            simd.max(least(simd, a01, a12, a20), least(simd, a02, a23, a30)),
+            simd.max(least(simd, a01, a13, a30), least(simd, a12, a23, a31)),
         );
         let negative = simd.min(
-            simd.min(most(a01, a12, a20), most(a02, a23, a30)),
-            simd.min(most(a01, a13, a30), most(a12, a23, a31)),
+            simd.min(most(simd, a01, a12, a20), most(simd, a02, a23, a30)),
+            simd.min(most(simd, a01, a13, a30), most(simd, a12, a23, a31)),
         );
-        let error = ray.area_error(simd, simd.load(&block.rows[12]), c0.z);
+        let size = simd.load(&block.rows[12]);
+        let error = ray.area_error(simd, size, c0.z);
         let kept =
             simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
         if kept == 0 {
-            return (0, zero);
+            return Candidates::none(simd);
         }
-        let (within, near) = ray.interval(simd, [c0, c1, c2, c3], limit);
-        (kept & within, near)
+        // If the outline turns around the ray, the ray passes through, in both forms.
+        let ends =
+            [simd.min(least(simd, a01, a12, a23), a30), simd.max(most(simd, a01, a12, a23), a30)];
+        let surely = ray.surely(simd, &c0, size, error, ends);
+        ray.candidates(simd, &[c0, c1, c2, c3], limit, kept, surely)
     }
 
     #[inline(always)]
@@ -98,6 +102,16 @@ impl Kernel for BilinearPatch {
     fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
         if VANILLA { quad(self).closest_t(ray) } else { self.closest_t(ray) }
     }
+}
+
+#[inline(always)]
+fn least<S: Simd>(simd: S, a: S::Lanes, b: S::Lanes, c: S::Lanes) -> S::Lanes {
+    simd.min(simd.min(a, b), c)
+}
+
+#[inline(always)]
+fn most<S: Simd>(simd: S, a: S::Lanes, b: S::Lanes, c: S::Lanes) -> S::Lanes {
+    simd.max(simd.max(a, b), c)
 }
 
 #[inline(always)]

@@ -2,8 +2,8 @@
 //!
 //! The reject: the three signed areas, seen along the ray (`flat.rs`), do not have the same sign.
 
-use super::flat::{Corner, FlatLanes, area, largest_side};
-use super::kernel::{Block, Kernel};
+use super::flat::{FlatLanes, area, largest_side};
+use super::kernel::{Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -19,7 +19,7 @@ impl Kernel for Triangle {
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
 
-    fn pack(lanes: &[Self; WIDTH]) -> Block<10> {
+    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Block<10> {
         let mut rows = [[0.0; WIDTH]; 10];
         for (lane, triangle) in lanes.iter().enumerate() {
             let corners = [triangle.p0, triangle.p1, triangle.p2];
@@ -30,7 +30,7 @@ impl Kernel for Triangle {
             }
             rows[9][lane] = largest_side(&corners);
         }
-        Block { rows }
+        Block { rows, ids }
     }
 
     #[inline(always)]
@@ -45,25 +45,28 @@ impl Kernel for Triangle {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd>(
+    fn candidates<S: Simd, const VANILLA: bool>(
         simd: S,
         ray: &FlatLanes<S>,
         block: &Block<10>,
         limit: f32,
-    ) -> (u32, S::Lanes) {
+    ) -> Candidates<S> {
         let (corners, _) = block.rows.as_chunks::<3>();
-        let [c0, c1, c2]: [Corner<S>; 3] = std::array::from_fn(|i| ray.corner(simd, &corners[i]));
+        let c0 = ray.corner(simd, &corners[0]);
+        let c1 = ray.corner(simd, &corners[1]);
+        let c2 = ray.corner(simd, &corners[2]);
         let (a, b, c) = (area(simd, c0, c1), area(simd, c1, c2), area(simd, c2, c0));
-        let error = ray.area_error(simd, simd.load(&block.rows[9]), c0.z);
+        let size = simd.load(&block.rows[9]);
+        let error = ray.area_error(simd, size, c0.z);
         let positive = simd.min(simd.min(a, b), c);
         let negative = simd.max(simd.max(a, b), c);
         let kept = simd.mask_not_gt(simd.sub(simd.splat(0.0), error), positive)
             | simd.mask_not_gt(negative, error);
         if kept == 0 {
-            return (0, error);
+            return Candidates::none(simd);
         }
-        let (within, near) = ray.interval(simd, [c0, c1, c2], limit);
-        (kept & within, near)
+        let surely = ray.surely(simd, &c0, size, error, [positive, negative]);
+        ray.candidates(simd, &[c0, c1, c2], limit, kept, surely)
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@ pub(super) fn color(index: usize) -> &'static str {
     COLORS[index % COLORS.len()]
 }
 
-/// A named curve, or a point of a scatter.
+/// A named curve, or the one point of a method in a scatter.
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) color: &'static str,
@@ -93,7 +93,7 @@ pub(super) fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> Str
     let frame = Frame {
         left: 60.0,
         top: 30.0,
-        right: width - 130.0,
+        right: width - 110.0,
         bottom: height - 44.0,
         x: around(points.iter().map(|p| p.0)),
         y: range(points.iter().map(|p| p.1), Some(floor)),
@@ -110,32 +110,58 @@ pub(super) fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> Str
         })
         .collect();
     let _ = write!(svg, "<polyline class=\"front\" points=\"{front}\"/>");
-    let mut labelled: Vec<(f64, f64)> = Vec::new();
-    for s in series {
-        for &(x, y) in &s.points {
-            let (px, py) = (frame.px(x), frame.py(y));
-            let fill = if s.approximate { "none" } else { s.color };
-            let _ = write!(
-                svg,
-                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"6\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"2\"><title>{}: {x:.1} ns, {y:.3e}</title></circle>",
-                s.color,
-                escape(&s.name)
-            );
-            let mut label = py + 4.0;
-            while labelled.iter().any(|&(x, y)| (x - px).abs() < 120.0 && (y - label).abs() < 13.0)
-            {
-                label -= 13.0;
-            }
-            labelled.push((px, label));
-            let _ = write!(
-                svg,
-                "<text x=\"{:.1}\" y=\"{label:.1}\" class=\"label\">{}</text>",
-                px + 10.0,
-                escape(&s.name)
-            );
+    let dots: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (frame.px(x), frame.py(y))).collect();
+    let mut labels: Vec<Area> = dots.iter().map(|&(x, y)| Area::around(x, y)).collect();
+    for (s, &(x, y)) in series.iter().flat_map(|s| s.points.iter().map(move |p| (s, p))) {
+        let (px, py) = (frame.px(x), frame.py(y));
+        let fill = if s.approximate { "none" } else { s.color };
+        let _ = write!(
+            svg,
+            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"6\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"2\"><title>{}: {x:.1} ns, {y:.3e}</title></circle>",
+            s.color,
+            escape(&s.name)
+        );
+        // The first place with room; the key names those without.
+        let length = 5.8 * s.name.chars().count() as f64;
+        let places =
+            [(10.0, 4.0), (-10.0 - length, 4.0), (-0.5 * length, -11.0), (-0.5 * length, 20.0)];
+        let free =
+            places.into_iter().map(|(x, y)| Area::text(px + x, py + y, length)).find(|area| {
+                area.left > frame.left && !labels.iter().any(|taken| taken.overlaps(area))
+            });
+        if let Some(area) = free {
+            let (x, y, name) = (area.left, area.bottom - 2.0, escape(&s.name));
+            let _ = write!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" class=\"label\">{name}</text>");
+            labels.push(area);
         }
     }
     svg + "</svg>"
+}
+
+/// A rectangle of the drawing that holds a dot or a word.
+struct Area {
+    left: f64,
+    top: f64,
+    right: f64,
+    bottom: f64,
+}
+
+impl Area {
+    fn around(x: f64, y: f64) -> Self {
+        Self { left: x - 8.0, top: y - 8.0, right: x + 8.0, bottom: y + 8.0 }
+    }
+
+    /// A word whose base line starts at `x`, `y`.
+    fn text(x: f64, y: f64, length: f64) -> Self {
+        Self { left: x, top: y - 9.0, right: x + length, bottom: y + 2.0 }
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
 }
 
 /// The points that no other point beats in both coordinates, by the first.
@@ -214,7 +240,7 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>) {
         decades(frame.x.0, frame.x.1).map(|p| (10f64.powi(p), power_of_ten(p))).collect()
     } else {
         (-2..6)
-            .flat_map(|p| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(p)))
+            .flat_map(|p| [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|digit| digit * 10f64.powi(p)))
             .filter(|x| (frame.x.0..=frame.x.1).contains(x))
             .map(|x| (x, format!("{x}")))
             .collect()

@@ -112,10 +112,8 @@ fn targets(body: &mut String, verdicts: &[Verdict]) {
 
 #[cfg(test)]
 mod tests {
-    use indicatif::ProgressBar;
-
     use super::*;
-    use crate::accuracy::{study, targets::verdicts};
+    use crate::accuracy::{progress::Progress, study, targets::verdicts};
 
     #[test]
     fn a_report_is_one_page_with_charts_maps_and_cases_that_replay() {
@@ -127,7 +125,7 @@ mod tests {
             seed: 1,
             timing: false,
         };
-        let study = study::run(&options, &ProgressBar::hidden());
+        let study = study::run(&options, &Progress::hidden());
         let html = page(&study, &verdicts(&study), &options).expect("a page");
         assert!(!html.contains("http://") && !html.contains("https://"), "it needs no network");
         // The text between the pictures, whose letters are arbitrary.

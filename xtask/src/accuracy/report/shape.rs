@@ -141,7 +141,8 @@ fn scatters(body: &mut String, shape: &ShapeResult, summaries: &[(&'static str, 
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    body.push_str("<h3>Time against error</h3><div class=\"charts\">");
+    let key = chart::legend(&dots(&share));
+    let _ = write!(body, "<h3>Time against error</h3>{key}<div class=\"charts\">");
     let x = "ns per test, hits and misses half and half";
     let labels = Labels { title: "False results of all families", x, y: "% of all rays" };
     body.push_str(&chart::scatter(&labels, &dots(&share), 1e-4));
@@ -228,9 +229,9 @@ pub(super) fn heat_maps<S: Shown>(body: &mut String, options: &Options) -> Resul
         body,
         "<h3>Where the errors are</h3><p>Seen from {} sizes away by parallel rays of unit direction; lit from the eye. \
          Above the distance of the position from the surface, below the error of the normal.\
-         <span class=\"swatch\" style=\"background:#00c8ff\"></span>false miss\
-         <span class=\"swatch\" style=\"background:#78ff50\"></span>false hit\
-         <span class=\"swatch\" style=\"background:#ff50ff\"></span>wrong root</p>",
+         <span class=\"key\"><span class=\"swatch\" style=\"background:#00c8ff\"></span>false miss</span>\
+         <span class=\"key\"><span class=\"swatch\" style=\"background:#78ff50\"></span>false hit</span>\
+         <span class=\"key\"><span class=\"swatch\" style=\"background:#ff50ff\"></span>wrong root</span></p>",
         S::FROM
     );
     let bar = heat::scale_bar()?;
@@ -248,7 +249,7 @@ pub(super) fn heat_maps<S: Shown>(body: &mut String, options: &Options) -> Resul
         }
         let _ = write!(
             body,
-            "</div><div class=\"scale\">10<sup>{low}</sup><img src=\"{bar}\" alt=\"scale of colors\">10<sup>{high}</sup> {unit}</div>"
+            "</div><div class=\"scale\"><span>10<sup>{low}</sup></span><img src=\"{bar}\" alt=\"scale of colors\"><span>10<sup>{high}</sup> {unit}</span></div>"
         );
     }
     Ok(())
@@ -265,7 +266,7 @@ pub(super) fn details(body: &mut String, shape: &ShapeResult, study: &Study) {
         let open = if sum.own { " open" } else { "" };
         let _ = write!(
             body,
-            "<details{open}><summary>{}</summary><div class=\"scroll\"><table><tr><th>what</th><th>row</th><th>value</th><th>case</th></tr>",
+            "<details{open}><summary>{}</summary><div class=\"scroll\"><table><tr><th>what</th><th>row</th><th>value</th><th class=\"left\">case</th></tr>",
             escape(name)
         );
         for (row, what, value, case) in worst_cases(shape, name) {
@@ -283,7 +284,7 @@ pub(super) fn details(body: &mut String, shape: &ShapeResult, study: &Study) {
             body,
             "<details><summary>All rows of {name}, seed {}</summary><div class=\"scroll\"><table><tr><th>family</th>\
              <th class=\"left\">why it is hard</th><th>hits</th><th>misses</th><th>false</th><th>t p50</th><th>p99</th><th>max</th><th>position p50</th>\
-             <th>p99</th><th>max</th><th>o + t d</th><th>from uv</th><th>uv and back</th><th>normal</th><th>from uv</th>\
+             <th>p99</th><th>max</th><th>o + t d</th><th>from uv</th><th>uv and back</th><th>uv, 2⁻²⁴</th><th>normal</th><th>from uv</th>\
              <th>self-hits %</th><th>offset</th></tr>",
             study.seed
         );
@@ -300,6 +301,7 @@ pub(super) fn details(body: &mut String, shape: &ShapeResult, study: &Study) {
                 m.tally.on_ray.max,
                 m.tally.rebuilt.max,
                 m.tally.round_trip.max,
+                m.tally.uv.max,
                 m.tally.normal.max,
                 m.tally.rebuilt_normal.max,
                 100.0 * m.leaving.share_without_offset,
