@@ -28,6 +28,7 @@ mod compare;
 mod console;
 mod diff;
 mod difference;
+mod golden;
 mod info;
 mod kinds;
 mod output;
@@ -37,6 +38,8 @@ mod render;
 mod report;
 mod scene_source;
 mod shot;
+mod tidy;
+mod workspace;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -72,6 +75,10 @@ enum Command {
     Info(info::Args),
     /// Measure speed against error of every intersector.
     Accuracy(accuracy::Args),
+    /// Check that the golden pictures look as they did.
+    Golden(golden::Args),
+    /// Check what no compiler checks: directions, sizes, leftovers, scenes.
+    Tidy(tidy::Args),
 }
 
 impl Command {
@@ -82,6 +89,8 @@ impl Command {
             Self::Diff(args) => diff::run(args),
             Self::Info(args) => info::run(args),
             Self::Accuracy(args) => accuracy::run(args),
+            Self::Golden(args) => golden::run(args),
+            Self::Tidy(args) => tidy::run(args),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Which scene a command is about, and what can be picked in it.
 
+use crate::workspace;
 use anyhow::{Context, Result, anyhow, bail};
 use rotund_scene::{LoadOptions, Scene};
-use std::env;
 use std::path::{Path, PathBuf};
 
 /// A scene and what to call it.
@@ -42,7 +42,7 @@ pub(crate) fn find_camera(scene: &NamedScene, name: Option<&str>) -> Result<usiz
 
 /// The names of the scenes that come with the workspace, in order.
 pub(crate) fn bundled() -> Result<Vec<String>> {
-    let folder = bundled_folder();
+    let folder = workspace::root().join("scenes");
     let entries = std::fs::read_dir(&folder)
         .with_context(|| format!("cannot list the scenes in {}", folder.display()))?;
     let mut names = Vec::new();
@@ -70,17 +70,5 @@ fn locate(name_or_path: &str) -> Result<PathBuf> {
             names.join(", ")
         );
     }
-    Ok(bundled_folder().join(format!("{name_or_path}.json")))
-}
-
-/// `scenes/` of the workspace that the working directory belongs to, else of the one that this
-/// program was built in.
-fn bundled_folder() -> PathBuf {
-    let around = env::current_dir().ok().and_then(|folder| {
-        let is_root =
-            |folder: &&Path| folder.join("scenes").is_dir() && folder.join("xtask").is_dir();
-        folder.ancestors().find(is_root).map(Path::to_owned)
-    });
-    let built_in = || Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    around.unwrap_or_else(built_in).join("scenes")
+    Ok(workspace::root().join("scenes").join(format!("{name_or_path}.json")))
 }

@@ -1,0 +1,352 @@
+//! `golden`: do the pictures still look as they did when somebody accepted them?
+//!
+//! Renders small pictures, compares each with a stored reference and fails with a page that shows
+//! what differs. The pictures of the workspace are the scenes in `tests/golden`, each with both
+//! methods; `--dir` keeps pictures of other people's scenes.
+//!
+//! The comparison is a statistical test, so that it survives another processor, instruction set or
+//! sampler and still sees one percent of the light: see [`verdict`]. To be honest it renders with
+//! other random numbers than the reference was made of.
+//!
+//! # Golden pictures of your own scenes
+//!
+//! ```sh
+//! cargo xtask golden --dir goldens --bless scenes/a.json scenes/b.json   # once; commit goldens/
+//! cargo xtask golden --dir goldens scenes/a.json scenes/b.json           # in every build
+//! ```
+//!
+//! As a job of GitHub Actions, with the page of what differs as an artifact if it fails:
+//!
+//! ```yaml
+//! golden:
+//!   runs-on: ubuntu-latest
+//!   steps:
+//!     - uses: actions/checkout@v4
+//!       with: { path: scenes }
+//!     - uses: actions/checkout@v4
+//!       with: { repository: rotund-rs/rotund, path: rotund }
+//!     - run: cargo xtask golden --dir ../scenes/goldens ../scenes/*.json
+//!       working-directory: rotund
+//!     - uses: actions/upload-artifact@v4
+//!       if: failure()
+//!       with: { name: golden, path: rotund/out/golden }
+//! ```
+
+use crate::console::{Table, say};
+use crate::workspace;
+use anyhow::{Context, Result, bail};
+use bless::{Blessed, bless};
+use cases::Case;
+use indicatif::ProgressBar;
+use moments::{Moments, Plan};
+use page::Failure;
+use reference::Reference;
+use rotund_trace::{Sequence, output};
+use significance::FALSE_ALARMS;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use verdict::{Verdict, judge};
+
+mod bless;
+mod cases;
+mod moments;
+mod page;
+mod reference;
+mod significance;
+#[cfg(test)]
+mod tests;
+mod verdict;
+
+/// Renders that a check makes of a picture. Fewer would make Student's t heavy in its tails; more
+/// would take samples from each, and the samples of one render are better spread than those of two.
+const REPLICAS: u32 = 32;
+/// Renders that a reference is made of: its noise adds a sixteenth to that of a check.
+const REFERENCE_REPLICAS: u32 = 256;
+/// What random numbers references are made of. A check may use any other.
+const REFERENCE_SEED: u32 = 0;
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask golden
+  cargo xtask golden --bless
+  cargo xtask golden --dir goldens --bless scenes/a.json scenes/b.json
+  cargo xtask golden --dir goldens scenes/a.json scenes/b.json";
+
+/// Options of `golden`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Scene files to keep pictures of, in --dir.
+    #[arg(requires = "dir")]
+    scenes: Vec<PathBuf>,
+    /// The folder of the references of your own scenes; it is made if need be.
+    #[arg(long, requires = "scenes")]
+    dir: Option<PathBuf>,
+    /// Accept the pictures as they are now, and say what changed.
+    #[arg(long)]
+    bless: bool,
+    /// Only pictures whose name has this in it.
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+    /// Pixels along the longer side of a picture that is accepted for the first time, or anew.
+    #[arg(long, requires = "bless", default_value_t = 96)]
+    #[arg(value_parser = clap::value_parser!(u32).range(16..=1024))]
+    resolution: u32,
+    /// Random numbers to render with; 0 are those of the references.
+    #[arg(long, default_value_t = 1, conflicts_with = "bless")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    seed: u32,
+    /// Render with this many seeds, from --seed on, and count how often each picture fails.
+    #[arg(long, value_name = "COUNT", conflicts_with = "bless")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
+    seeds: Option<u32>,
+    /// Render with independent random numbers instead of Sobol points: the check must hold for any.
+    #[arg(long, conflicts_with = "bless")]
+    independent: bool,
+    /// Where the page about pictures that differ is written.
+    #[arg(long, value_name = "FILE.html", default_value = "out/golden/report.html")]
+    report: PathBuf,
+}
+
+pub(crate) fn run(args: Args) -> Result<()> {
+    let folder = args.dir.clone().unwrap_or_else(|| workspace::root().join("tests/golden"));
+    let all = match &args.dir {
+        Some(folder) => cases::of_user(folder, &args.scenes)?,
+        None => cases::of_workspace(&folder)?,
+    };
+    let dead = cases::dead_references(&folder, &all)?;
+    let pictures = all.len();
+    let wanted = |case: &Case| args.only.as_ref().is_none_or(|text| case.name.contains(text));
+    let cases: Vec<Case> = all.into_iter().filter(wanted).collect();
+    if cases.is_empty() {
+        bail!("no picture has {:?} in its name", args.only.unwrap_or_default());
+    }
+    if args.bless {
+        let dead = if args.only.is_some() { Vec::new() } else { dead };
+        return accept(&cases, &dead, &folder, args.resolution, pictures);
+    }
+    if let Some(seeds) = args.seeds {
+        return count_failures(&cases, &args, seeds, pictures);
+    }
+    check(&cases, &dead, &args, pictures)
+}
+
+/// What came of rendering one picture.
+enum Outcome {
+    Judged(Box<(Reference, Moments, Verdict)>),
+    /// There is nothing to compare with, or nothing to compare.
+    Failed(String),
+}
+
+fn check(cases: &[Case], dead: &[PathBuf], args: &Args, pictures: usize) -> Result<()> {
+    let mut table =
+        Table::new(&["picture", "samples", "seconds", "light", "FLIP", "limit", "chance", ""]);
+    let bar = ProgressBar::new(cases.len() as u64);
+    let (mut failures, mut complaints, mut failed) = (Vec::new(), Vec::new(), 0);
+    let start = Instant::now();
+    for case in cases {
+        let case_start = Instant::now();
+        match examine(case, args, args.seed, pictures)? {
+            Outcome::Failed(complaint) => {
+                table.row([case.name.as_str(), "", "", "", "", "", "", "FAILED"]);
+                complaints.push(format!("{}: {complaint}", case.name));
+                failed += 1;
+            }
+            Outcome::Judged(judged) => {
+                let (reference, actual, verdict) = *judged;
+                table.row([
+                    case.name.clone(),
+                    (REPLICAS * reference.samples).to_string(),
+                    format!("{:.1}", case_start.elapsed().as_secs_f64()),
+                    format!("{:+.2} %", 100.0 * verdict.energy),
+                    format!("{:.4}", verdict.flip),
+                    format!("{:.4}", verdict.flip_limit),
+                    chance(verdict.smallest_p),
+                    if verdict.findings.is_empty() { "ok" } else { "FAILED" }.to_owned(),
+                ]);
+                if !verdict.findings.is_empty() {
+                    failed += 1;
+                    for finding in &verdict.findings {
+                        complaints
+                            .push(format!("{}: {}: {}", case.name, finding.check, finding.text));
+                    }
+                    failures.push(Failure {
+                        name: case.name.clone(),
+                        expected: reference.moments.picture(),
+                        actual: actual.picture(),
+                        verdict,
+                    });
+                }
+            }
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    say(table.to_string())?;
+    for path in dead {
+        complaints.push(format!("{} is the reference of no scene", path.display()));
+    }
+    if complaints.is_empty() {
+        return say(format!("{} pictures in {:.1} s", cases.len(), start.elapsed().as_secs_f64()));
+    }
+    for complaint in &complaints {
+        say(complaint)?;
+    }
+    let mut hint = String::new();
+    if !failures.is_empty() {
+        write_page(&args.report, &failures)?;
+        hint = format!("; see {}", args.report.display());
+    }
+    bail!(
+        "{failed} of {} pictures failed, {} references are dead{hint}; if the change is meant, add \
+         --bless",
+        cases.len(),
+        dead.len()
+    )
+}
+
+/// Renders a picture and holds it against its reference.
+fn examine(case: &Case, args: &Args, seed: u32, pictures: usize) -> Result<Outcome> {
+    if !case.reference.is_file() {
+        let place = case.reference.display();
+        return Ok(Outcome::Failed(format!("there is no reference {place} yet")));
+    }
+    let reference = Reference::read(&case.reference)?;
+    let scene = case.load()?;
+    let Some(camera) = scene.cameras.first() else {
+        return Ok(Outcome::Failed("the scene has no camera".to_owned()));
+    };
+    let Moments { width, height, .. } = reference.moments;
+    let (width, height) = (u32::try_from(width)?, u32::try_from(height)?);
+    let size = camera.resolution(width.max(height));
+    if size != (width, height) {
+        let text = format!("{} x {} pixels instead of {width} x {height}", size.0, size.1);
+        return Ok(Outcome::Failed(text));
+    }
+    let plan = Plan {
+        camera: 0,
+        width,
+        height,
+        bounces: reference.bounces,
+        samples: reference.samples,
+        sequence: if args.independent { Sequence::Independent } else { Sequence::Sobol },
+    };
+    let actual = Moments::measure(&scene, &plan, REPLICAS, seed);
+    let verdict = judge(&actual, &reference.moments, pictures)?;
+    Ok(Outcome::Judged(Box::new((reference, actual, verdict))))
+}
+
+/// How likely chance alone makes something as strange as the strangest of all tests of one kind, or
+/// stranger; what is below a third of [`FALSE_ALARMS`] fails.
+fn chance(verdict_p: f64) -> String {
+    if verdict_p >= 0.1 { format!("{verdict_p:.1}") } else { format!("{verdict_p:.0e}") }
+}
+
+/// Renders every picture with many seeds: how often does the check fail though nothing changed?
+fn count_failures(cases: &[Case], args: &Args, seeds: u32, pictures: usize) -> Result<()> {
+    let mut table = Table::new(&["picture", "runs", "failed", "light, sigma", "least chance"]);
+    let bar = ProgressBar::new(cases.len() as u64 * u64::from(seeds));
+    let mut failed_runs = vec![false; seeds as usize];
+    let mut texts = Vec::new();
+    for case in cases {
+        let (mut failed, mut squares, mut smallest) = (0, 0.0, f64::INFINITY);
+        for run in 0..seeds {
+            let seed = args.seed.saturating_add(run);
+            match examine(case, args, seed, pictures)? {
+                Outcome::Failed(complaint) => bail!("{}: {complaint}", case.name),
+                Outcome::Judged(judged) => {
+                    let verdict = judged.2;
+                    squares += verdict.energy_t * verdict.energy_t;
+                    smallest = smallest.min(verdict.smallest_p);
+                    if !verdict.findings.is_empty() {
+                        failed += 1;
+                        failed_runs[run as usize] = true;
+                    }
+                    for finding in verdict.findings {
+                        let (check, text) = (finding.check, finding.text);
+                        texts.push(format!("seed {seed}: {}: {check}: {text}", case.name));
+                    }
+                }
+            }
+            bar.inc(1);
+        }
+        let sigma = format!("{:.2}", (squares / f64::from(seeds)).sqrt());
+        table.row([
+            case.name.clone(),
+            seeds.to_string(),
+            failed.to_string(),
+            sigma,
+            chance(smallest),
+        ]);
+    }
+    bar.finish_and_clear();
+    say(table.to_string())?;
+    for text in &texts {
+        say(text)?;
+    }
+    let failed = failed_runs.iter().filter(|&&failed| failed).count();
+    say(format!(
+        "{failed} of {seeds} runs failed; by chance at most {FALSE_ALARMS} of all runs should"
+    ))
+}
+
+/// Makes references, says what changed and removes dead ones.
+fn accept(
+    cases: &[Case],
+    dead: &[PathBuf],
+    folder: &Path,
+    resolution: u32,
+    pictures: usize,
+) -> Result<()> {
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    let mut refused = 0;
+    for case in cases {
+        let name = &case.name;
+        // A file that cannot be read is as good as none.
+        let old = Reference::read(&case.reference).ok();
+        match bless(case, old.as_ref(), resolution, pictures) {
+            Ok(Blessed::Unchanged) => say(format!("{name}: unchanged"))?,
+            Ok(Blessed::New(reference)) => {
+                reference.write(&case.reference)?;
+                say(format!("{name}: new, {}", summary(&reference)))?;
+            }
+            Ok(Blessed::Changed(reference, findings)) => {
+                reference.write(&case.reference)?;
+                say(format!("{name}: changed, {}", summary(&reference)))?;
+                for finding in findings {
+                    say(format!("  {}: {}", finding.check, finding.text))?;
+                }
+            }
+            Err(error) => {
+                refused += 1;
+                say(format!("{name}: refused: {error:#}"))?;
+            }
+        }
+    }
+    for path in dead {
+        fs::remove_file(path).with_context(|| format!("cannot remove {}", path.display()))?;
+        say(format!("{}: removed, for it belongs to no scene", path.display()))?;
+    }
+    if refused > 0 {
+        bail!("{refused} of {} pictures were refused; their references are as before", cases.len());
+    }
+    Ok(())
+}
+
+fn summary(reference: &Reference) -> String {
+    let Moments { width, height, replicas, .. } = reference.moments;
+    format!("{width} x {height} pixels, {} samples", replicas * reference.samples)
+}
+
+fn write_page(path: &Path, failures: &[Failure]) -> Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    }
+    let html = page::page(failures)?;
+    output::write_with(path, |file| file.write_all(html.as_bytes()))?;
+    Ok(())
+}

@@ -1,0 +1,108 @@
+//! The page about pictures that failed: expected, actual and difference, in one file.
+
+use super::verdict::Verdict;
+use crate::difference::{color::srgb_bytes, maps};
+use crate::picture::Picture;
+use anyhow::Result;
+use base64::Engine as _;
+use image::codecs::png::PngEncoder;
+use image::{Rgb, RgbImage};
+use std::fmt::Write as _;
+
+/// A picture that differs from its reference.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub(crate) name: String,
+    pub(crate) expected: Picture,
+    pub(crate) actual: Picture,
+    pub(crate) verdict: Verdict,
+}
+
+const HEAD: &str = r#"<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Golden pictures that differ</title>
+<style>
+:root { color-scheme: light dark; font: 16px/1.5 system-ui, sans-serif; }
+body { margin: 1.5rem auto; max-width: 72rem; padding: 0 1rem; }
+section { margin: 2.5rem 0; }
+h2 { margin-bottom: .25rem; }
+li { overflow-wrap: anywhere; }
+.pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
+figure { margin: 0; }
+img { display: block; width: 100%; image-rendering: pixelated; }
+figcaption { font-size: .9rem; }
+@media print { section { break-inside: avoid; } }
+</style>
+</head>
+<body>
+<h1>Golden pictures that differ</h1>
+"#;
+
+/// The text of the page.
+///
+/// # Errors
+///
+/// Only if an image cannot be encoded.
+pub(crate) fn page(failures: &[Failure]) -> Result<String> {
+    let mut html = HEAD.to_owned();
+    html.push_str(
+        "<p>If the change is meant, <code>cargo xtask golden --bless</code> accepts it.</p>\n",
+    );
+    for failure in failures {
+        let name = escape(&failure.name);
+        writeln!(html, "<section id=\"{name}\">\n<h2>{name}</h2>\n<ul>")?;
+        for finding in &failure.verdict.findings {
+            let text = escape(&finding.text);
+            writeln!(html, "<li><strong>{}</strong>: {text}</li>", finding.check)?;
+        }
+        html.push_str("</ul>\n<div class=\"pictures\">\n");
+        let difference = &failure.verdict.difference;
+        let range = maps::signed_range(&difference.signed);
+        let figures = [
+            ("Expected".to_owned(), shown(&failure.expected)),
+            ("Actual".to_owned(), shown(&failure.actual)),
+            (
+                format!("Lighter (red) and darker (blue) than expected, up to {range}"),
+                maps::signed(&difference.signed, range),
+            ),
+            (
+                format!(
+                    "FLIP error from black, 0, to pale yellow, 1; {:.4} in the mean",
+                    difference.metrics.flip_mean
+                ),
+                maps::flip(&difference.flip),
+            ),
+        ];
+        for (caption, image) in figures {
+            let (width, height, source) = (image.width(), image.height(), data_uri(&image)?);
+            writeln!(
+                html,
+                "<figure><img width=\"{width}\" height=\"{height}\" alt=\"{caption}\" \
+                 src=\"{source}\"><figcaption>{caption}</figcaption></figure>"
+            )?;
+        }
+        html.push_str("</div>\n</section>\n");
+    }
+    html.push_str("</body>\n</html>\n");
+    Ok(html)
+}
+
+fn shown(picture: &Picture) -> RgbImage {
+    RgbImage::from_fn(picture.width as u32, picture.height as u32, |x, y| {
+        Rgb(srgb_bytes(picture.pixels[y as usize * picture.width + x as usize]))
+    })
+}
+
+fn data_uri(image: &RgbImage) -> Result<String> {
+    let mut png = Vec::new();
+    image.write_with_encoder(PngEncoder::new(&mut png))?;
+    let text = base64::engine::general_purpose::STANDARD.encode(png);
+    Ok(format!("data:image/png;base64,{text}"))
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

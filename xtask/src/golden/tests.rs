@@ -1,0 +1,274 @@
+//! Faults are planted, one at a time, and each has to be caught under its own name; and what is no
+//! fault has to pass.
+
+use super::cases::{self, Case};
+use super::moments::{Moments, Plan};
+use super::reference::Reference;
+use super::significance::{compare, level, p_value};
+use super::verdict::{Check, Verdict, judge};
+use super::{REPLICAS, run};
+use crate::workspace;
+use clap::Parser;
+use glam::{DVec3, Vec2};
+use rotund_scene::Scene;
+use rotund_trace::Sequence;
+use std::fs;
+use std::path::Path;
+
+fn case(name: &str) -> Case {
+    let cases = cases::of_workspace(&workspace::root().join("tests/golden")).unwrap();
+    cases.into_iter().find(|case| case.name == name).expect("a picture of that name")
+}
+
+fn reference(name: &str) -> Reference {
+    Reference::read(&case(name).reference).unwrap()
+}
+
+/// Renders a picture of a scene that was tampered with.
+fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Moments {
+    let mut scene = case(name).load().unwrap();
+    tamper(&mut scene);
+    let Reference { moments, samples, bounces } = reference(name);
+    let (width, height) = (moments.width as u32, moments.height as u32);
+    let plan = Plan { camera: 0, width, height, bounces, samples, sequence };
+    Moments::measure(&scene, &plan, REPLICAS, 77)
+}
+
+fn verdict(name: &str, actual: &Moments) -> Verdict {
+    judge(actual, &reference(name).moments, 24).unwrap()
+}
+
+/// Renders a scene with a fault.
+fn faulty(name: &str, plant: impl FnOnce(&mut Scene)) -> Verdict {
+    verdict(name, &render(name, Sequence::Sobol, plant))
+}
+
+fn honest(name: &str) -> Moments {
+    render(name, Sequence::Sobol, |_| {})
+}
+
+#[track_caller]
+fn assert_caught(verdict: &Verdict, check: Check, word: &str) {
+    let named =
+        |finding: &super::verdict::Finding| finding.check == check && finding.text.contains(word);
+    assert!(verdict.findings.iter().any(named), "no {check} in {:?}", verdict.findings);
+}
+
+#[test]
+fn other_random_numbers_pass() {
+    for name in ["triangles", "points-enhanced"] {
+        let verdict = verdict(name, &honest(name));
+        assert!(verdict.findings.is_empty(), "{name}: {:?}", verdict.findings);
+    }
+}
+
+#[test]
+fn another_sampler_passes() {
+    let actual = render("points-vanilla", Sequence::Independent, |_| {});
+    let verdict = verdict("points-vanilla", &actual);
+    assert!(verdict.findings.is_empty(), "{:?}", verdict.findings);
+}
+
+#[test]
+fn a_leak_of_one_pixel_is_caught() {
+    let honest = honest("points-enhanced");
+    let (x, y) = (48, 48);
+    let inside = y * honest.width + x;
+    let background = honest.mean[honest.width / 2];
+    for (why, leaked) in [("black", DVec3::ZERO), ("the sky behind", background)] {
+        let mut actual = honest.clone();
+        actual.mean[inside] = leaked;
+        actual.variance[inside] = DVec3::ZERO;
+        let verdict = verdict("points-enhanced", &actual);
+        assert_caught(&verdict, Check::Pixel, "pixel (48, 48)");
+        assert_eq!(verdict.findings.len(), 1, "{why}: {:?}", verdict.findings);
+    }
+}
+
+#[test]
+fn a_black_pixel_is_caught_nearly_anywhere_in_any_picture() {
+    let mut shares = Vec::new();
+    for case in cases::of_workspace(&workspace::root().join("tests/golden")).unwrap() {
+        let reference = Reference::read(&case.reference).unwrap().moments;
+        let zeros = vec![DVec3::ZERO; reference.mean.len()];
+        let black = Moments {
+            replicas: REPLICAS,
+            mean: zeros.clone(),
+            variance: zeros,
+            ..reference.clone()
+        };
+        let caught = |&i: &usize| {
+            (0..3).any(|channel| {
+                let found = compare(&black, &reference, [i].into_iter(), channel);
+                p_value(found.t, found.freedom) < level(3 * reference.mean.len() * 24)
+            })
+        };
+        // Where nothing shines, black is right.
+        let lit = |&i: &usize| reference.mean[i].max_element() > 0.0;
+        let lit: Vec<usize> = (0..reference.mean.len()).filter(lit).collect();
+        let share = lit.iter().copied().filter(caught).count() as f64 / lit.len() as f64;
+        // What is missing is behind glass, where a pixel of a few samples is all noise.
+        assert!(share > 0.85, "{}: {share:.3} of all pixels", case.name);
+        shares.push(share);
+    }
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    assert!(mean > 0.97, "{mean:.3} of all pixels of all pictures");
+}
+
+#[test]
+fn a_flipped_normal_is_caught() {
+    let flipped = faulty("quads-enhanced", |scene| {
+        let saddle = scene.shapes.iter_mut().find(|shape| !shape.normals.is_empty()).unwrap();
+        let middle = saddle.normals.len() / 2;
+        saddle.normals[middle] = -saddle.normals[middle];
+    });
+    assert_caught(&flipped, Check::Block, "block");
+}
+
+#[test]
+fn a_surface_turned_inside_out_is_caught() {
+    let turned = faulty("triangles", |scene| {
+        let shape = scene.shapes.iter_mut().find(|shape| shape.name == "tetrahedron").unwrap();
+        let rotund_scene::Elements::Triangles(triangles) = &mut shape.elements else {
+            panic!("a tetrahedron is made of triangles")
+        };
+        triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+    });
+    assert_caught(&turned, Check::Block, "block");
+}
+
+#[test]
+fn a_texture_shifted_by_one_texel_is_caught() {
+    for name in ["triangles", "quads-vanilla"] {
+        let shifted = faulty(name, |scene| {
+            for shape in &mut scene.shapes {
+                let one_texel = Vec2::new(1.0 / 16.0, 0.0);
+                shape.texcoords.iter_mut().for_each(|texcoord| *texcoord += one_texel);
+            }
+        });
+        assert_caught(&shifted, Check::Block, "block");
+    }
+}
+
+#[test]
+fn a_loss_of_one_percent_of_the_light_is_caught() {
+    for name in ["points-enhanced", "triangles", "lights-vanilla"] {
+        let mut dim = honest(name);
+        dim.mean.iter_mut().for_each(|pixel| *pixel *= 0.99);
+        assert_caught(&verdict(name, &dim), Check::Energy, "whole picture");
+    }
+}
+
+#[test]
+fn surfaces_that_lose_one_percent_of_the_light_are_caught() {
+    // The lamps lose nothing and fill a part of the picture; light that bounces loses more.
+    let darker = faulty("lights-enhanced", |scene| {
+        scene.materials.iter_mut().for_each(|material| material.color *= 0.98);
+    });
+    assert_caught(&darker, Check::Energy, "whole picture");
+}
+
+#[test]
+fn a_rejected_sample_is_caught() {
+    let mut actual = honest("triangles");
+    actual.rejected = 1;
+    assert_caught(&verdict("triangles", &actual), Check::Rejected, "1 samples");
+}
+
+#[test]
+fn a_tint_that_people_see_is_caught_by_flip() {
+    let mut actual = honest("triangles");
+    actual.mean.iter_mut().for_each(|pixel| *pixel *= DVec3::new(1.1, 1.0, 0.9));
+    assert_caught(&verdict("triangles", &actual), Check::Flip, "FLIP");
+}
+
+/// Runs `golden --dir` in a folder on its scenes, at a size that takes no time.
+fn user_run(folder: &Path, scenes: &[&str], options: &[&str]) -> anyhow::Result<()> {
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: super::Args,
+    }
+    let path = |name: &str| folder.join(name).into_os_string();
+    let mut arguments = vec!["golden".into(), "--dir".into(), path("goldens")];
+    arguments.extend(["--report".into(), path("report.html")]);
+    arguments.extend(options.iter().map(Into::into));
+    arguments.extend(scenes.iter().map(|scene| path(scene)));
+    run(Cli::try_parse_from(arguments)?.args)
+}
+
+fn write_scene(folder: &Path, name: &str, emission: f32) {
+    let ball = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+                property float z\nproperty float radius\nend_header\n0 0 -5 1\n";
+    fs::write(folder.join("ball.ply"), ball).unwrap();
+    let scene = format!(
+        r#"{{"asset": {{"version": "4.2"}}, "cameras": [{{}}],
+            "environments": [{{"emission": [{emission}, {emission}, {emission}]}}],
+            "materials": [{{"color": [0.5, 0.5, 0.5]}}], "shapes": [{{"uri": "ball.ply"}}],
+            "instances": [{{"shape": 0, "material": 0}}]}}"#
+    );
+    fs::write(folder.join(name), scene).unwrap();
+}
+
+#[test]
+fn pictures_of_ones_own_scenes_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let error = |result: anyhow::Result<()>| format!("{:#}", result.unwrap_err());
+    write_scene(folder, "a.json", 1.0);
+    write_scene(folder, "b.json", 1.0);
+    let bless = ["--bless", "--resolution", "24"];
+
+    // A picture that nobody accepted fails, and the check does not accept it.
+    let unblessed = error(user_run(folder, &["a.json"], &[]));
+    assert!(unblessed.contains("1 of 1 pictures failed"), "{unblessed}");
+    assert!(!folder.join("goldens").exists());
+
+    user_run(folder, &["a.json", "b.json"], &bless).unwrap();
+    user_run(folder, &["a.json", "b.json"], &[]).unwrap();
+
+    // A reference whose scene is gone fails, until it is removed by --bless.
+    let dead = error(user_run(folder, &["a.json"], &[]));
+    assert!(dead.contains("1 references are dead"), "{dead}");
+    user_run(folder, &["a.json"], &bless).unwrap();
+    assert!(!folder.join("goldens/b.exr").exists());
+
+    // Accepting what did not change does not touch the file.
+    let before = fs::read(folder.join("goldens/a.exr")).unwrap();
+    user_run(folder, &["a.json"], &bless).unwrap();
+    assert_eq!(fs::read(folder.join("goldens/a.exr")).unwrap(), before);
+
+    // A change fails with a page, which needs nothing else, and is accepted by --bless.
+    write_scene(folder, "a.json", 0.98);
+    let changed = error(user_run(folder, &["a.json"], &[]));
+    assert!(changed.contains("report.html") && changed.contains("--bless"), "{changed}");
+    let page = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert_eq!(page.matches("<img ").count(), 4);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 4);
+    assert!(page.contains("<strong>energy</strong>") && !page.contains("http"));
+    user_run(folder, &["a.json"], &bless).unwrap();
+    user_run(folder, &["a.json"], &[]).unwrap();
+}
+
+#[test]
+fn blessing_refuses_to_lower_a_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_scene(folder, "a.json", 1.0);
+    user_run(folder, &["a.json"], &["--bless", "--resolution", "24"]).unwrap();
+    let before = fs::read(folder.join("goldens/a.exr")).unwrap();
+
+    let smaller = user_run(folder, &["a.json"], &["--bless", "--resolution", "16"]);
+    assert!(smaller.is_err(), "a smaller picture");
+    write_scene(folder, "a.json", 0.0);
+    let black = user_run(folder, &["a.json"], &["--bless", "--resolution", "24"]);
+    assert!(black.is_err(), "a black picture");
+    assert_eq!(fs::read(folder.join("goldens/a.exr")).unwrap(), before);
+}
+
+#[test]
+fn two_scenes_of_one_name_are_refused() {
+    let scenes = ["a/x.json", "b/x.json"].map(Into::into);
+    let error = cases::of_user(Path::new("goldens"), &scenes).unwrap_err().to_string();
+    assert!(error.contains("a/x.json") && error.contains("b/x.json"), "{error}");
+}
