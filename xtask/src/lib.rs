@@ -34,6 +34,7 @@ mod kinds;
 mod output;
 mod picture;
 mod progress;
+mod rays;
 mod render;
 mod report;
 mod scene_source;
@@ -79,6 +80,8 @@ enum Command {
     Golden(golden::Args),
     /// Check what no compiler checks: directions, sizes, leftovers, scenes.
     Tidy(tidy::Args),
+    /// Measure how fast trees are built and walked.
+    Rays(rays::Args),
 }
 
 impl Command {
@@ -91,6 +94,7 @@ impl Command {
             Self::Accuracy(args) => accuracy::run(args),
             Self::Golden(args) => golden::run(args),
             Self::Tidy(args) => tidy::run(args),
+            Self::Rays(args) => rays::run(args),
         }
     }
 }

@@ -24,4 +24,4 @@ mod traverse;
 
 pub use bvh::Bvh;
 pub use isa::{Isa, UnknownIsa};
-pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, TriangleTree};
+pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};

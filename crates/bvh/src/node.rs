@@ -72,6 +72,11 @@ impl Node {
         }
         self.children[slot] = child;
     }
+
+    pub(crate) fn bounds(&self, slot: usize) -> Aabb {
+        let corner = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][slot]).into();
+        Aabb { min: corner(0), max: corner(1) }
+    }
 }
 
 /// The nodes of a tree and where to start.

@@ -10,6 +10,10 @@ use crate::stack::Stack;
 pub(crate) trait Closest<S: Simd> {
     /// Tests the leaf, and returns the limit from now on. Implementations are `#[inline(always)]`.
     fn leaf(&mut self, simd: S, index: usize, limit: f32) -> f32;
+
+    /// Notes that the walk tests the children of a node.
+    #[inline(always)]
+    fn node(&mut self) {}
 }
 
 /// Looks into leaves for any hit.
@@ -42,6 +46,7 @@ pub(crate) fn closest<S: Simd>(
                 limits = simd.splat(limit);
             }
         } else {
+            visitor.node();
             let node: &Node = &tree.nodes[current.index()];
             let (near, mask) = lanes.test(simd, node, limits);
             if mask != 0 {

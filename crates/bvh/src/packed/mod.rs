@@ -9,6 +9,7 @@ mod cone;
 mod flat;
 mod kernel;
 mod patch;
+mod report;
 mod sphere;
 mod triangle;
 
@@ -20,6 +21,8 @@ use crate::sah::Costs;
 use crate::simd::{Simd, Task};
 use crate::slab::SlabRay;
 use crate::traverse;
+pub use report::{Statistics, Visits};
+
 use kernel::{Candidates, HasIds, Kernel, NO_ID};
 use rayon::prelude::*;
 use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
@@ -144,13 +147,7 @@ impl<P: Kernel, const VANILLA: bool> Task for ClosestTask<'_, P, VANILLA> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let slab_ray = SlabRay::new(self.ray)?;
-        let mut visitor = FindClosest::<S, P, VANILLA> {
-            packed: self.tree,
-            ray: self.ray,
-            slab_ray: &slab_ray,
-            lanes: P::lanes(simd, &slab_ray),
-            best: Best::NONE,
-        };
+        let mut visitor = FindClosest::<S, P, VANILLA>::new(simd, self.tree, self.ray, &slab_ray);
         let limit = slab_ray.limit(self.ray.t_max);
         traverse::closest(simd, &self.tree.tree, &slab_ray, limit, &mut visitor);
         let best = visitor.best;
@@ -191,7 +188,12 @@ impl Best {
         Self { id: NO_ID, block: 0, lane: 0, t: Some(f32::INFINITY), near: f32::INFINITY };
 }
 
-impl<S: Simd, P: Kernel, const VANILLA: bool> FindClosest<'_, S, P, VANILLA> {
+impl<'a, S: Simd, P: Kernel, const VANILLA: bool> FindClosest<'a, S, P, VANILLA> {
+    #[inline(always)]
+    fn new(simd: S, packed: &'a Packed<P>, ray: &'a Ray, slab_ray: &'a SlabRay) -> Self {
+        Self { packed, ray, slab_ray, lanes: P::lanes(simd, slab_ray), best: Best::NONE }
+    }
+
     /// The exact `t` of a primitive. With the whole interval and not the shrunken one: ties count, and
     /// are settled by the caller.
     #[inline(always)]

@@ -1,0 +1,174 @@
+//! Shooting rays: what is shot, at what, and how long it takes.
+
+use super::recipe::{self, Target};
+use rayon::prelude::*;
+use rotund_bvh::{ConeTree, Form, Isa, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
+use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
+use std::time::Instant;
+
+/// A tree and the loop it is held against.
+pub(super) trait Traced: Sync {
+    fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)>;
+    fn any(&self, ray: &Ray, form: Form) -> bool;
+    fn visits(&self, ray: &Ray, form: Form) -> Visits;
+    fn statistics(&self) -> Statistics;
+}
+
+/// A primitive that there is a tree for.
+pub(super) trait Primitive: Sync + Sized {
+    type Tree: Traced + Send;
+    fn build(primitives: &[Self], isa: Isa) -> Self::Tree;
+    fn exact(&self, ray: &Ray, form: Form) -> Option<Hit>;
+}
+
+macro_rules! traced {
+    ($($tree:ty, $primitive:ty, |$p:ident| $vanilla:expr;)*) => {$(
+        impl Traced for $tree {
+            #[inline]
+            fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)> {
+                self.closest(ray, form)
+            }
+
+            #[inline]
+            fn any(&self, ray: &Ray, form: Form) -> bool {
+                self.any(ray, form)
+            }
+
+            fn visits(&self, ray: &Ray, form: Form) -> Visits {
+                self.visits(ray, form)
+            }
+
+            fn statistics(&self) -> Statistics {
+                self.statistics()
+            }
+        }
+
+        impl Primitive for $primitive {
+            type Tree = $tree;
+
+            fn build(primitives: &[Self], isa: Isa) -> $tree {
+                <$tree>::build(primitives).with_isa(isa)
+            }
+
+            fn exact(&self, ray: &Ray, form: Form) -> Option<Hit> {
+                let $p = self;
+                match form {
+                    Form::Enhanced => self.closest(ray),
+                    Form::Vanilla => $vanilla.closest(ray),
+                }
+            }
+        }
+    )*};
+}
+
+traced! {
+    SphereTree, Sphere, |s| vanilla::Point { center: s.center, radius: s.radius };
+    ConeTree, RoundedCone, |c| vanilla::Line { p0: c.p0, r0: c.r0, p1: c.p1, r1: c.r1 };
+    PatchTree, BilinearPatch, |p| vanilla::Quad { p0: p.p00, p1: p.p10, p2: p.p11, p3: p.p01 };
+    TriangleTree, Triangle, |t| *t;
+}
+
+/// The four kinds of rays.
+pub(super) const KINDS: [&str; 4] = ["primary", "diffuse", "shadow", "random"];
+
+/// The rays of a kind, and whether any hit will do.
+pub(super) struct Volley {
+    pub(super) name: &'static str,
+    pub(super) rays: Vec<Ray>,
+    pub(super) any: bool,
+}
+
+/// All rays for a tree.
+pub(super) fn volleys(tree: &impl Traced, target: &Target, form: Form) -> [Volley; 4] {
+    let primary = recipe::primary(target);
+    let hit = |ray: &Ray| tree.closest(ray, form).map(|(_, hit)| hit);
+    let (diffuse, shadow) = recipe::secondary(target, &primary, hit);
+    let random = recipe::random(target, 1_000_000);
+    let [first, second, third, fourth] = KINDS;
+    [
+        Volley { name: first, rays: primary, any: false },
+        Volley { name: second, rays: diffuse, any: false },
+        Volley { name: third, rays: shadow, any: true },
+        Volley { name: fourth, rays: random, any: false },
+    ]
+}
+
+/// One pass over all rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pass {
+    pub(super) mrays_per_second: f64,
+    pub(super) hit_share: f64,
+}
+
+/// Shoots on one thread, and takes the CPU seconds of the thread, which do not count what other
+/// programs took; elapsed seconds where the system does not tell.
+pub(super) fn on_one_thread(tree: &impl Traced, volley: &Volley, form: Form) -> Pass {
+    let (start, cpu) = (Instant::now(), cpu_seconds());
+    let hits = shoot(tree, &volley.rays, volley.any, form);
+    let elapsed = start.elapsed().as_secs_f64();
+    let seconds = match (cpu, cpu_seconds()) {
+        (Some(before), Some(after)) => after - before,
+        _ => elapsed,
+    };
+    pass(volley, hits, seconds)
+}
+
+/// Shoots on all threads of the pool, and takes elapsed seconds.
+pub(super) fn on_all_threads(tree: &impl Traced, volley: &Volley, form: Form) -> Pass {
+    let start = Instant::now();
+    let hits = volley.rays.par_chunks(4096).map(|rays| shoot(tree, rays, volley.any, form)).sum();
+    pass(volley, hits, start.elapsed().as_secs_f64())
+}
+
+fn pass(volley: &Volley, hits: usize, seconds: f64) -> Pass {
+    let count = volley.rays.len().max(1) as f64;
+    Pass { mrays_per_second: 1e-6 * count / seconds, hit_share: hits as f64 / count }
+}
+
+#[inline(never)]
+fn shoot(tree: &impl Traced, rays: &[Ray], any: bool, form: Form) -> usize {
+    if any {
+        return rays.iter().filter(|ray| tree.any(ray, form)).count();
+    }
+    let (mut hits, mut sum) = (0, 0.0);
+    for ray in rays {
+        if let Some((_, hit)) = tree.closest(ray, form) {
+            hits += 1;
+            sum += hit.t;
+        }
+    }
+    // Or the compiler could leave out the hits.
+    std::hint::black_box(sum);
+    hits
+}
+
+/// CPU seconds of this thread so far.
+pub(super) fn cpu_seconds() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
+/// The first ray whose answers differ from those of a loop over all primitives, if there is one.
+///
+/// Closest hits are compared to the bit, and any hit with whether there is a closest.
+pub(super) fn first_difference<P: Primitive>(
+    tree: &P::Tree,
+    primitives: &[P],
+    rays: &[Ray],
+    form: Form,
+) -> Option<String> {
+    rays.par_iter().find_map_any(|ray| {
+        let mut best: Option<(u32, Hit)> = None;
+        for (id, primitive) in primitives.iter().enumerate() {
+            if let Some(hit) = primitive.exact(ray, form)
+                && best.is_none_or(|(_, best)| hit.t < best.t)
+            {
+                best = Some((id as u32, hit));
+            }
+        }
+        let found = (tree.closest(ray, form), tree.any(ray, form));
+        (found != (best, best.is_some()))
+            .then(|| format!("{ray:?}: the tree says {found:?}, the loop {best:?}"))
+    })
+}
