@@ -26,9 +26,9 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::float::{UNIT_ROUNDOFF, accept, round, rounding_error};
 use crate::ray_space::{Image, RaySpace, crosses, edge};
-use crate::{Aabb, Hit, Ray};
+use crate::{Aabb, Hit, Ray, widen};
 
 /// The surface of all points `(1-u)(1-v) p00 + u(1-v) p10 + (1-u)v p01 + uv p11`, `u, v` in `0..=1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,18 @@ struct Root {
     u: f64,
     v: f64,
 }
+
+/// The corners as the ray sees them.
+#[derive(Clone, Copy)]
+struct Corners {
+    p00: Image,
+    p10: Image,
+    p01: Image,
+    p11: Image,
+}
+
+/// Below this share of its terms, the discriminant leaves too few digits for two nearby roots.
+const NEARLY_DOUBLE: f64 = 1.0 / 4096.0;
 
 impl BilinearPatch {
     /// The first crossing of the surface with `t` in `t_min..=t_max`.
@@ -82,14 +94,17 @@ impl BilinearPatch {
     #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
         let space = RaySpace::new(ray);
-        let (p00, p10) = (space.project(self.p00), space.project(self.p10));
-        let (p01, p11) = (space.project(self.p01), space.project(self.p11));
-        // The patch lies in the hull of its corners. A NaN passes here and fails below.
-        let (min_x, max_x) =
-            (p00.x.min(p10.x).min(p01.x).min(p11.x), p00.x.max(p10.x).max(p01.x).max(p11.x));
-        let (min_y, max_y) =
-            (p00.y.min(p10.y).min(p01.y).min(p11.y), p00.y.max(p10.y).max(p01.y).max(p11.y));
-        if min_x > 0.0 || max_x < 0.0 || min_y > 0.0 || max_y < 0.0 {
+        let (p00, p10) = space.project(self.p00, self.p10);
+        let (p01, p11) = space.project(self.p01, self.p11);
+        // The patch lies in the hull of its corners. A NaN may pass here; it fails below.
+        let low = |a: f64, b: f64| if a < b { a } else { b };
+        let high = |a: f64, b: f64| if a > b { a } else { b };
+        let four = |f: fn(f64, f64) -> f64, a, b, c, d| f(f(a, b), f(c, d));
+        let outside = (four(low, p00.x, p10.x, p01.x, p11.x) > 0.0)
+            | (four(low, p00.y, p10.y, p01.y, p11.y) > 0.0)
+            | (four(high, p00.x, p10.x, p01.x, p11.x) < 0.0)
+            | (four(high, p00.y, p10.y, p01.y, p11.y) < 0.0);
+        if outside {
             return None;
         }
         let c = edge(p00, p01);
@@ -100,85 +115,57 @@ impl BilinearPatch {
             ^ crosses(p10, p11, at_one)
             ^ crosses(p00, p10, edge(p00, p10))
             ^ crosses(p01, p11, edge(p01, p11));
-        if !odd {
-            // Two roots or none: a parabola with both ends on the same side that comes back.
-            let same_side = if c > 0.0 {
-                at_one > 0.0 && a > 0.0 && b < 0.0 && -b < 2.0 * a
-            } else {
-                c < 0.0 && at_one < 0.0 && a < 0.0 && b > 0.0 && -b > 2.0 * a
-            };
-            if !same_side {
-                return None;
-            }
+        let corners = Corners { p00, p10, p01, p11 };
+        // The common hit: one root in the square, and the line through P0(u) and P1(u) passes the ray
+        // once on its way from one edge to the other. An infinite product is of infinite corners.
+        let ends = c * at_one;
+        if !(odd & (ends < 0.0) & (ends > f64::NEG_INFINITY)) {
+            // Two roots in 0..=1 need a parabola that has both ends on one side, and comes back.
+            let folded =
+                odd | ((ends > 0.0) & (c * a > 0.0) & (a * b < 0.0) & (b.abs() < 2.0 * a.abs()));
+            return if folded { corners.solve_folded(ray, &space, [c, b, a], odd) } else { None };
         }
-        let discriminant = b * b - 4.0 * a * c;
-        if !odd && discriminant < 0.0 {
-            return None;
+        // Of the two roots, the one where the parabola passes in this direction. The discriminant is
+        // at least 4 |a c| here, or b², but rounding does not know.
+        let root = (b * b - 4.0 * a * c).max(0.0).sqrt().copysign(at_one);
+        let same = (b >= 0.0) == (at_one >= 0.0);
+        let (over, under) = if same { (-2.0 * c, b + root) } else { (root - b, 2.0 * a) };
+        let u = (over / under).clamp(0.0, 1.0);
+        let (mut v, mut depth) = corners.along_ruling(u);
+        let mut u = u;
+        if root * root < NEARLY_DOUBLE * (b * b) {
+            (u, v, depth) = corners.refine(u, v);
         }
-        let q = -0.5 * (b + discriminant.max(0.0).sqrt().copysign(b));
-        // Finite: a corner that is not would make all of these NaN or infinite.
-        if !(a.is_finite() && q.is_finite()) {
-            return None;
-        }
-        let finish = |u: f64| -> (f64, f64, f64) {
-            let lerp = |a: Image, b: Image| Image {
-                x: a.x + u * (b.x - a.x),
-                y: a.y + u * (b.y - a.y),
-                depth: a.depth + u * (b.depth - a.depth),
-            };
-            let (p0, p1) = (lerp(p00, p10), lerp(p01, p11));
-            let (x, y) = (p1.x - p0.x, p1.y - p0.y);
-            let square = x * x + y * y;
-            // A ruling seen end-on is a point of the image: take its middle.
-            let v = if square > 0.0 { -(p0.x * x + p0.y * y) / square } else { 0.5 };
-            (u, v, p0.depth + v.clamp(0.0, 1.0) * (p1.depth - p0.depth))
-        };
-        let (u0, u1) = (q / a, if q != 0.0 { c / q } else { 0.0 });
-        if odd {
-            let outside = |x: f64| (x - 0.5).abs();
-            let candidate = |u: f64| {
-                let (_, v, _) = finish(u.clamp(0.0, 1.0));
-                outside(u).max(outside(v))
-            };
-            let u = if a == 0.0 || candidate(u1) <= candidate(u0) { u1 } else { u0 };
-            let (u, v, depth) = finish(u.clamp(0.0, 1.0));
-            let t = accept(ray, space.t(depth))?;
-            return Some(Root { t, u, v: v.clamp(0.0, 1.0) });
-        }
-        let roots = [finish(u0), finish(u1)];
-        if roots.iter().any(|&(_, v, _)| !(0.0..=1.0).contains(&v)) {
-            return None;
-        }
-        let hit =
-            |(u, v, depth): (f64, f64, f64)| accept(ray, space.t(depth)).map(|t| Root { t, u, v });
-        let [first, second] = roots.map(hit);
-        match (first, second) {
-            (Some(first), Some(second)) => Some(if second.t < first.t { second } else { first }),
-            (first, second) => first.or(second),
-        }
+        let t = accept(ray, space.t(depth))?;
+        Some(Root { t, u, v: v.clamp(0.0, 1.0) })
     }
 
-    #[inline]
+    #[inline(always)]
+    fn corners(&self) -> [DVec3; 4] {
+        let (p00, p10) = widen::points(self.p00, self.p10);
+        let (p01, p11) = widen::points(self.p01, self.p11);
+        [p00, p10, p01, p11]
+    }
+
+    #[inline(always)]
     fn at(&self, u: f64, v: f64) -> DVec3 {
-        let (p00, p10) = (self.p00.as_dvec3(), self.p10.as_dvec3());
-        let (p01, p11) = (self.p01.as_dvec3(), self.p11.as_dvec3());
+        let [p00, p10, p01, p11] = self.corners();
         (1.0 - v) * ((1.0 - u) * p00 + u * p10) + v * ((1.0 - u) * p01 + u * p11)
     }
 
-    #[inline]
+    #[inline(always)]
     fn partials(&self, u: f64, v: f64) -> (DVec3, DVec3) {
-        let (p00, p10) = (self.p00.as_dvec3(), self.p10.as_dvec3());
-        let (p01, p11) = (self.p01.as_dvec3(), self.p11.as_dvec3());
+        let [p00, p10, p01, p11] = self.corners();
         ((1.0 - v) * (p10 - p00) + v * (p11 - p01), (1.0 - u) * (p01 - p00) + u * (p11 - p10))
     }
 
-    #[inline]
+    #[inline(always)]
     fn normal_at(&self, u: f64, v: f64) -> DVec3 {
         let (du, dv) = self.partials(u, v);
         let n = du.cross(dv);
         let square = n.dot(n);
-        if square > 0.0 && square.is_finite() {
-            return n / square.sqrt();
+        if square > 0.0 && square < f64::INFINITY {
+            return n * square.sqrt().recip();
         }
         self.normal_of_collapsed(u, v)
     }
@@ -224,5 +211,101 @@ impl BilinearPatch {
     pub fn tangents(&self, uv: Vec2) -> (Vec3, Vec3) {
         let (du, dv) = self.partials(f64::from(uv.x), f64::from(uv.y));
         (round(du), round(dv))
+    }
+}
+
+impl Corners {
+    /// Where the ruling of constant `u` comes nearest to the ray: `v`, and the depth there with `v`
+    /// clamped to the patch.
+    #[inline(always)]
+    fn along_ruling(&self, u: f64) -> (f64, f64) {
+        let lerp = |a: Image, b: Image| Image {
+            x: a.x + u * (b.x - a.x),
+            y: a.y + u * (b.y - a.y),
+            depth: a.depth + u * (b.depth - a.depth),
+        };
+        let (p0, p1) = (lerp(self.p00, self.p10), lerp(self.p01, self.p11));
+        let (x, y) = (p1.x - p0.x, p1.y - p0.y);
+        let square = x * x + y * y;
+        // A ruling seen end-on is a point of the image: take its middle.
+        let v = if square > 0.0 { -(p0.x * x + p0.y * y) / square } else { 0.5 };
+        (v, p0.depth + v.clamp(0.0, 1.0) * (p1.depth - p0.depth))
+    }
+
+    /// One step of Newton in both parameters, and the depth there.
+    ///
+    /// Two roots may nearly agree in `u` and differ in `v`, if a ruling is nearly parallel to the ray.
+    /// Half of the digits of `u` are lost then, and `v` follows; but both are well determined together.
+    #[cold]
+    #[inline(never)]
+    fn refine(&self, u: f64, v: f64) -> (f64, f64, f64) {
+        type Coordinate = fn(Image) -> f64;
+        let Self { p00, p10, p01, p11 } = *self;
+        let v = v.clamp(0.0, 1.0);
+        let mix = |a: f64, b: f64, s: f64| (1.0 - s) * a + s * b;
+        let at =
+            |f: Coordinate, u: f64, v: f64| mix(mix(f(p00), f(p10), u), mix(f(p01), f(p11), u), v);
+        let by_u = |f: Coordinate| mix(f(p10) - f(p00), f(p11) - f(p01), v);
+        let by_v = |f: Coordinate| mix(f(p01) - f(p00), f(p11) - f(p10), u);
+        let (fx, fy): (Coordinate, Coordinate) = (|p| p.x, |p| p.y);
+        let (x, y) = (at(fx, u, v), at(fy, u, v));
+        let ((xu, yu), (xv, yv)) = ((by_u(fx), by_u(fy)), (by_v(fx), by_v(fy)));
+        let determinant = xu * yv - xv * yu;
+        let step = ((xv * y - yv * x) / determinant, (yu * x - xu * y) / determinant);
+        // A step that an `f32` could see is no correction of rounding: this is a fold, and there is no
+        // better point than the one at hand.
+        let small = step.0.abs().max(step.1.abs()) < f64::from(UNIT_ROUNDOFF);
+        let moved = |x: f64, step: f64| if small { (x + step).clamp(0.0, 1.0) } else { x };
+        let (u, v) = (moved(u, step.0), moved(v, step.1));
+        (u, v, at(|p| p.depth, u, v))
+    }
+
+    /// Two roots in `u` that may count: the ray meets the patch twice, or once near a fold or a corner.
+    #[cold]
+    #[inline(never)]
+    fn solve_folded(
+        &self,
+        ray: &Ray,
+        space: &RaySpace,
+        [c, b, a]: [f64; 3],
+        odd: bool,
+    ) -> Option<Root> {
+        let discriminant = b * b - 4.0 * a * c;
+        if !odd && discriminant < 0.0 {
+            return None;
+        }
+        let q = -0.5 * (b + discriminant.max(0.0).sqrt().copysign(b));
+        // A corner that is not finite makes a NaN of one of them, or an infinity.
+        if !(a.is_finite() && q.is_finite()) {
+            return None;
+        }
+        let roots = [q / a, if q == 0.0 { 0.0 } else { c / q }];
+        let root = |u: f64| {
+            let u = u.clamp(0.0, 1.0);
+            let v = self.along_ruling(u).0;
+            let (u, refined, depth) = self.refine(u, v);
+            let t64 = space.t(depth);
+            (v, t64, accept(ray, t64).map(|t| Root { t, u, v: refined }))
+        };
+        if odd {
+            // One of them is in the square: the one nearer to its centre. A NaN, of 0 / 0, is not.
+            let from_center = |u: f64| {
+                let v = self.along_ruling(u.clamp(0.0, 1.0)).0;
+                (u - 0.5).abs().max((v - 0.5).abs())
+            };
+            let first = from_center(roots[0]) < from_center(roots[1]);
+            return root(if first { roots[0] } else { roots[1] }).2;
+        }
+        // The ends of the parabola say that both `u` are in the square; the outline says that both `v`
+        // are, or none.
+        let [(v0, t0, first), (v1, t1, second)] = roots.map(root);
+        if !((0.0..=1.0).contains(&v0) && (0.0..=1.0).contains(&v1)) {
+            return None;
+        }
+        match (first, second) {
+            // They may round to the same `t`: the nearer one is nearer before that.
+            (Some(first), Some(second)) => Some(if t1 < t0 { second } else { first }),
+            (first, second) => first.or(second),
+        }
     }
 }

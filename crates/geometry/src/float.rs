@@ -64,3 +64,7 @@ pub(crate) fn accept(ray: &Ray, t: f64) -> Option<f32> {
 pub(crate) fn round(p: DVec3) -> Vec3 {
     p.as_vec3()
 }
+
+/// A difference that keeps less than this share of its terms has lost digits that an `f32` could miss:
+/// 2⁻⁵² over this is 2⁻³⁶, and the solvers may take a root of it, 2⁻¹⁸ ... so they compute it again with more.
+pub(crate) const CANCELLATION: f64 = 1.0 / 65_536.0;

@@ -3,6 +3,8 @@
 mod aabb;
 mod basis;
 mod bilinear_patch;
+mod careful_cone;
+mod double_double;
 mod float;
 mod profile;
 mod ray;

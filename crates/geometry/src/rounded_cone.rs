@@ -39,10 +39,11 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::careful_cone::{self, Crossing};
+use crate::float::{CANCELLATION, accept, round, rounding_error};
 use crate::profile::Profile;
-use crate::sphere::CANCELLATION;
-use crate::{Aabb, Hit, Ray, widen};
+use crate::sphere::FAR;
+use crate::{Aabb, Hit, Ray, Sphere, widen};
 
 /// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,13 +64,6 @@ struct Root {
     s: f64,
     from_ball: DVec3,
     normal: DVec3,
-}
-
-/// Entry or exit.
-#[derive(Clone, Copy, PartialEq)]
-enum End {
-    Entry,
-    Exit,
 }
 
 impl RoundedCone {
@@ -115,10 +109,18 @@ impl RoundedCone {
         let g = d.cross(e);
         let moment = r0 * g + rho * w;
         let volume = f.dot(g);
-        let discriminant = moment.dot(moment) - volume * volume;
+        let moment2 = moment.dot(moment);
+        let discriminant = moment2 - volume * volume;
+        let grazing = CANCELLATION * moment2;
         // Written so that a NaN fails.
-        if !(discriminant >= 0.0 && d2 > 0.0) {
-            return if d2 <= 0.0 { self.solve_larger_ball(ray) } else { None };
+        if !(discriminant > grazing && d2 > 0.0) {
+            return if d2 <= 0.0 {
+                self.solve_larger_ball(ray)
+            } else if discriminant < -grazing {
+                None
+            } else {
+                self.solve_carefully(ray)
+            };
         }
         let (a, b, m) = (d.dot(d), f.dot(d), d.dot(e));
         let width = a * d2;
@@ -126,41 +128,53 @@ impl RoundedCone {
         let over_a = inverse * d2;
         let (gg, ww, rho_a) = (g.dot(g), w.dot(w), rho * a);
         let k2 = gg - rho * rho_a;
-        let chord0 = r0 * r0 * a - ww;
+        let square0 = r0 * r0 * a;
         let y0 = -w.dot(g) - r0 * rho_a;
         let k1 = -m * y0;
         // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
-        let q = -k1 - (a * (d2 * discriminant).sqrt()).copysign(k1);
+        let spread = a * (d2 * discriminant).sqrt();
+        let q = -k1 - spread.copysign(k1);
         let (over, under) =
-            if k1.is_sign_positive() { (q, k2) } else { (-(width * chord0) - y0 * y0, q) };
+            if k1.is_sign_positive() { (q, k2) } else { (width * (ww - square0) - y0 * y0, q) };
         let theta = over / under;
         let y = y0 + m * theta;
-        // A cone steeper than the line, or a radius that is no radius, is no common case.
-        if !(k2 > 0.0 && r0.min(r1) > 0.0) {
+        // No common case: a cone steeper than the line, a length of more than a million radii, and an
+        // origin more than 2²⁵ lengths away.
+        let thinnest = r0.min(r1);
+        let slim = d2 > 1e12 * (thinnest * thinnest);
+        if !((k2 > 0.0) & (thinnest > 0.0) & !slim & (b * b < FAR * width)) {
             return self.solve_carefully(ray);
         }
         let (t64, from_ball, s, radius);
         if y >= 0.0 && y <= width {
-            t64 = (theta - b) * over_a;
+            let difference = theta - b;
+            // Rounding moves `theta` by the share of `D` that is lost, of half the chord.
+            let scale = spread * moment2 + b.abs() * k2 * discriminant;
+            if difference.abs() * k2 * discriminant < CANCELLATION * scale {
+                return self.solve_carefully(ray);
+            }
+            t64 = difference * over_a;
             s = y * inverse;
             from_ball = (f + t64 * d) - s * e;
             radius = r0 - s * rho;
         } else {
             // The cap on the side of the entry.
-            let (center, along, chord);
+            let (center, along, square, passing);
             if y < 0.0 {
-                (center, along, chord, s, radius) = (f, b, chord0, 0.0, r0);
+                (center, along, square, passing, s, radius) = (f, b, square0, ww, 0.0, r0);
             } else {
                 let w1 = w + g;
-                (center, along, chord, s, radius) =
-                    (f - e, b - m, r1 * r1 * a - w1.dot(w1), 1.0, r1);
+                (center, along, square, passing, s, radius) =
+                    (f - e, b - m, r1 * r1 * a, w1.dot(w1), 1.0, r1);
             }
-            if chord < 0.0 {
+            let chord = square - passing;
+            let grazing = CANCELLATION * square;
+            if chord < -grazing {
                 return None;
             }
             let root = chord.sqrt();
             let (near, far) = (-along - root, -along + root);
-            if (near * far).abs() < CANCELLATION * chord {
+            if (chord <= grazing) | ((near * far).abs() <= grazing) {
                 return self.solve_carefully(ray);
             }
             t64 = near * over_a;
@@ -173,85 +187,36 @@ impl RoundedCone {
         }
     }
 
-    /// Entry and exit in every case, given that `d2` is positive.
+    /// Entry and exit in every case, given that no ball holds the other.
     #[cold]
     #[inline(never)]
     fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
-        let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
-        let (o, d) = widen::ray(ray);
-        let (e, f) = (p1 - p0, o - p0);
-        let rho = r0 - r1;
-        let (w, g) = (f.cross(d), d.cross(e));
-        let (moment, volume) = (r0 * g + rho * w, f.dot(g));
-        let discriminant = moment.dot(moment) - volume * volume;
-        let d2 = e.dot(e) - rho * rho;
-        // Written so that a NaN fails.
-        if !(discriminant >= 0.0 && r0.min(r1) >= 0.0 && r0 + r1 > 0.0) {
-            return None;
-        }
-        let (a, b, m) = (d.dot(d), f.dot(d), d.dot(e));
-        let k2 = g.dot(g) - rho * rho * a;
-        let y0 = -w.dot(g) - r0 * rho * a;
-        let k1 = -m * y0;
-        let k0 = a * d2 * (w.dot(w) - r0 * r0 * a) - y0 * y0;
-        let q = -k1 - (a * (d2 * discriminant).sqrt()).copysign(k1);
-        for end in [End::Entry, End::Exit] {
-            let theta = if k2 < 0.0 && (end == End::Entry) == (m * rho >= 0.0) {
-                if end == End::Entry { f64::NEG_INFINITY } else { f64::INFINITY }
-            } else if (end == End::Entry) == k1.is_sign_positive() {
-                q / k2
-            } else {
-                k0 / q
-            };
-            let y = y0 + m * theta;
-            let (t64, s) = if y >= 0.0 && y <= d2 * a {
-                ((theta - b) / a, y / (d2 * a))
-            } else if y < 0.0 {
-                (ball(f, a, b, w, r0, end)?, 0.0)
-            } else if y > 0.0 {
-                (ball(f - e, a, b - m, w + g, r1, end)?, 1.0)
-            } else {
-                return None;
-            };
-            if let Some(t) = accept(ray, t64) {
-                return Some(self.root(t, f + t64 * d, s));
-            }
-        }
-        None
+        let Crossing { t, s, from_ball } = careful_cone::solve(self, ray)?;
+        let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
+        let normal = from_ball / radius;
+        let square = normal.dot(normal);
+        // At a tip of radius zero there are many normals; the axis is one of them.
+        let normal = if (square - 1.0).abs() < 1e-9 {
+            normal
+        } else {
+            let e = self.p1.as_dvec3() - self.p0.as_dvec3();
+            from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y))
+        };
+        Some(Root { t, s, from_ball, normal })
     }
 
     /// One ball holds the other.
     #[cold]
     #[inline(never)]
     fn solve_larger_ball(&self, ray: &Ray) -> Option<Root> {
-        let (r, s) = if self.r0 >= self.r1 { (self.r0, 0.0) } else { (self.r1, 1.0) };
-        let (f, d) = (ray.origin.as_dvec3() - self.p0.as_dvec3(), ray.direction.as_dvec3());
-        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
-        if !(r > 0.0 && self.r0.min(self.r1) >= 0.0 && e.is_finite()) {
+        let [first, second] = [(self.p0, self.r0), (self.p1, self.r1)]
+            .map(|(center, radius)| Sphere { center, radius });
+        let (ball, s) = if self.r0 >= self.r1 { (first, 0.0) } else { (second, 1.0) };
+        if !(self.r0.min(self.r1) >= 0.0 && self.p0.is_finite() && self.p1.is_finite()) {
             return None;
         }
-        let x = f - s * e;
-        let w = x.cross(d);
-        [End::Entry, End::Exit].into_iter().find_map(|end| {
-            let t64 = ball(x, d.dot(d), x.dot(d), w, f64::from(r), end)?;
-            Some(self.root(accept(ray, t64)?, f + t64 * d, s))
-        })
-    }
-
-    /// A root at `x`, seen from `p0`, on the ball `s`.
-    fn root(&self, t: f32, x: DVec3, s: f64) -> Root {
-        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
-        let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
-        let from_ball = x - s * e;
-        let normal = from_ball / radius;
-        let square = normal.dot(normal);
-        // At a tip of radius zero there are many normals; the axis is one of them.
-        let normal = if square > 0.99 && square < 1.01 {
-            normal
-        } else {
-            from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y))
-        };
-        Root { t, from_ball, s, normal }
+        let root = ball.solve(ray)?;
+        Some(Root { t: root.t, s, from_ball: root.from_center, normal: root.normal })
     }
 
     /// A box that holds the shape, and every position that [`Self::closest`] reports.
@@ -296,15 +261,4 @@ impl RoundedCone {
         let (du, dv) = Profile::new(self).tangents(uv);
         (round(du), round(dv))
     }
-}
-
-/// Where the ray `f + t d` enters or leaves the ball of radius `r` about the origin; `w = f × d`.
-#[inline]
-fn ball(f: DVec3, a: f64, b: f64, w: DVec3, r: f64, end: End) -> Option<f64> {
-    let discriminant = a * r * r - w.dot(w);
-    // Written so that a NaN is no root.
-    (discriminant >= 0.0).then(|| {
-        let q = -b - discriminant.sqrt().copysign(b);
-        if (end == End::Entry) == (q < 0.0) { q / a } else { (f.dot(f) - r * r) / q }
-    })
 }

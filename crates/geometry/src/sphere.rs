@@ -19,7 +19,8 @@ use core::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::double_double::{Double, Real};
+use crate::float::{CANCELLATION, accept, round, rounding_error};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// The points at distance `radius` from `center`.
@@ -32,14 +33,11 @@ pub struct Sphere {
 }
 
 /// What `closest` knows before it rounds: the root, and the point relative to the centre.
-struct Root {
-    t: f32,
-    from_center: DVec3,
-    normal: DVec3,
+pub(crate) struct Root {
+    pub(crate) t: f32,
+    pub(crate) from_center: DVec3,
+    pub(crate) normal: DVec3,
 }
-
-/// A root smaller than this share of the half chord has lost so many digits that `f32` could notice.
-pub(crate) const CANCELLATION: f64 = 1.0 / 4096.0;
 
 impl Sphere {
     /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
@@ -72,15 +70,17 @@ impl Sphere {
     }
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Option<Root> {
+    pub(crate) fn solve(&self, ray: &Ray) -> Option<Root> {
         let (c, r) = widen::ball(self.center, self.radius);
         let (o, d) = widen::ray(ray);
         let f = o - c;
         let w = f.cross(d);
         let a = d.dot(d);
-        let discriminant = a * (r * r) - w.dot(w);
+        let square = a * (r * r);
+        let discriminant = square - w.dot(w);
+        let grazing = CANCELLATION * square;
         // Written so that a NaN fails.
-        if !(discriminant >= 0.0 && r > 0.0) {
+        if !(discriminant >= -grazing && r > 0.0) {
             return None;
         }
         // Two reciprocals for one division, which runs beside the square root.
@@ -90,8 +90,8 @@ impl Sphere {
         let root = discriminant.sqrt();
         // The ends of the part of the line that lies in the ball.
         let (near, far) = (-b - root, -b + root);
-        if (near * far).abs() < CANCELLATION * discriminant {
-            return self.solve_next_to_surface(ray);
+        if (discriminant <= grazing) | ((near * far).abs() <= grazing) {
+            return self.solve_carefully(ray);
         }
         let mut t64 = near * over_a;
         let t = match accept(ray, t64) {
@@ -105,23 +105,36 @@ impl Sphere {
         Some(Root { t, from_center, normal: from_center * over_r })
     }
 
-    /// [`Self::solve`] for a line that meets the ball, one of whose roots is near zero.
-    ///
-    /// Both terms of `q` have the sign of `-b`, so their sum does not cancel; the other root comes from
-    /// the product of the roots, `g / a`.
+    /// [`Self::solve`] with 106 bits, for rays that graze or start next to the surface.
     #[cold]
     #[inline(never)]
-    fn solve_next_to_surface(&self, ray: &Ray) -> Option<Root> {
-        let f = ray.origin.as_dvec3() - self.center.as_dvec3();
-        let d = ray.direction.as_dvec3();
-        let r = f64::from(self.radius);
-        let w = f.cross(d);
-        let (a, b, g) = (d.dot(d), f.dot(d), f.dot(f) - r * r);
-        let q = -b - (a * (r * r) - w.dot(w)).sqrt().copysign(b);
-        let roots = if q < 0.0 { [q / a, g / q] } else { [g / q, q / a] };
-        roots.into_iter().find_map(|t64| {
-            let from_center = f + t64 * d;
-            accept(ray, t64).map(|t| Root { t, from_center, normal: from_center / r })
+    fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
+        let exact = |p: Vec3| p.to_array().map(Double::exact);
+        let dot = |a: [Double; 3], b: [Double; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (o, c, d) = (exact(ray.origin), exact(self.center), exact(ray.direction));
+        let f = [o[0] - c[0], o[1] - c[1], o[2] - c[2]];
+        let r = Double::exact(self.radius);
+        let (a, b, g) = (dot(d, d), dot(f, d), dot(f, f) - r * r);
+        let w = [f[1] * d[2] - f[2] * d[1], f[2] * d[0] - f[0] * d[2], f[0] * d[1] - f[1] * d[0]];
+        let discriminant = a * r * r - dot(w, w);
+        if discriminant < Double::ZERO || self.radius.is_nan() || self.radius <= 0.0 {
+            return None;
+        }
+        // Both terms of q have the sign of -b, so their sum does not cancel; the other root comes from
+        // the product of the roots, g / a.
+        let root = discriminant.sqrt();
+        let roots = if b >= Double::ZERO {
+            let q = -b - root;
+            [q / a, g / q]
+        } else {
+            let q = root - b;
+            [g / q, q / a]
+        };
+        roots.into_iter().find_map(|exact_t| {
+            let t = accept(ray, exact_t.nearest())?;
+            let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
+            let from_center = DVec3::from_array(x);
+            Some(Root { t, from_center, normal: from_center / f64::from(self.radius) })
         })
     }
 
