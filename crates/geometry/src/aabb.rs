@@ -47,9 +47,18 @@ impl Aabb {
         size.x * size.y + size.y * size.z + size.z * size.x
     }
 
-    /// The box with each side moved out to the next `f32`: rounding a point of the surface, or a
-    /// side of the box, to nearest cannot leave it.
+    /// The box with each side moved out by 2⁻²⁶ of the longest, and then to the next `f32`.
+    ///
+    /// The first step is for what an `f64` loses on the way from a ray that starts up to 2²⁶ sizes away,
+    /// where a side happens to lie near a coordinate of zero; the second for rounding a point of the
+    /// surface, or a side of the box, to nearest.
     pub(crate) fn grown_by_rounding(self) -> Self {
-        Self { min: self.min.map(f32::next_down), max: self.max.map(f32::next_up) }
+        // Halves, so that the largest numbers do not overflow.
+        let half = (0.5 * self.max - 0.5 * self.min).max_element();
+        let margin = Vec3::splat(half * (0.5 * f32::EPSILON * 0.5));
+        Self {
+            min: (self.min - margin).map(f32::next_down),
+            max: (self.max + margin).map(f32::next_up),
+        }
     }
 }

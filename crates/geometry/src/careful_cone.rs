@@ -76,12 +76,16 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
     for end in [End::Entry, End::Exit] {
         let entry = end == End::Entry;
         // Inside the cone from or to infinity: steeper than the cone, or along a cylinder.
-        let endless = (k2 < R::ZERO && entry == (m * rho >= R::ZERO)) || q == R::ZERO;
-        if q == R::ZERO && k0 > R::ZERO {
+        let along = q == R::ZERO && k2 == R::ZERO;
+        let endless = (k2 < R::ZERO && entry == (m * rho >= R::ZERO)) || along;
+        if along && k0 > R::ZERO {
             return Attempt::Found(None);
         }
-        let theta =
-            if endless { None } else { Some(if entry == k1_positive { q / k2 } else { k0 / q }) };
+        let theta = if endless {
+            None
+        } else {
+            Some(if entry == k1_positive || q == R::ZERO { q / k2 } else { k0 / q })
+        };
         // Where in the body, if anywhere, times `width`; the sign says which cap.
         let y = match theta {
             Some(theta) if theta.nearest().is_finite() => y0 + m * theta,

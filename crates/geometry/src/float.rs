@@ -18,7 +18,9 @@ pub const UNIT_ROUNDOFF: f32 = 0.5 * f32::EPSILON;
 /// spawned ray origins), 4th edition, 2023.
 #[must_use]
 pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) -> Vec3 {
-    let side = if normal.dot(direction) < 0.0 { -normal } else { normal };
+    // In `f64`, where the products are exact: the sign of a grazing direction must not be an accident.
+    let outwards = normal.as_dvec3().dot(direction.as_dvec3());
+    let side = if outwards < 0.0 { -normal } else { normal };
     let away = |p: f32, step: f32| {
         let moved = p + step;
         if step > 0.0 {
@@ -35,10 +37,10 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
 
 /// Bound on the distance between a point and `p`, its coordinates rounded to `f32`.
 ///
-/// Each coordinate moves by at most `u |p_i| (1 + u)`, `u` being [`UNIT_ROUNDOFF`], or by half of the
-/// smallest subnormal number. The sum of the three bounds the length of the step, and costs no square
-/// root. The factor pays for what came before, in `f64`: all of it stays under `2⁻²⁴ u |p|`... and the
-/// smallest normal number stands in for the subnormal ones, so that the step never underflows.
+/// Each coordinate moves by at most `u |p_i|`, `u` being [`UNIT_ROUNDOFF`], or by half of the smallest
+/// subnormal number. The sum of the three bounds the length of the step, and costs no square root. The
+/// factor pays for the `f64` arithmetic before it; the smallest normal number stands in for the subnormal
+/// ones, so that the step never underflows.
 #[inline]
 pub(crate) fn rounding_error(p: Vec3) -> f32 {
     const FACTOR: f32 = UNIT_ROUNDOFF * (1.0 + 16.0 * f32::EPSILON);
@@ -65,6 +67,8 @@ pub(crate) fn round(p: DVec3) -> Vec3 {
     p.as_vec3()
 }
 
-/// A difference that keeps less than this share of its terms has lost digits that an `f32` could miss:
-/// 2⁻⁵² over this is 2⁻³⁶, and the solvers may take a root of it, 2⁻¹⁸ ... so they compute it again with more.
+/// A difference that keeps less than this share of its terms is computed again with more digits.
+///
+/// It has lost 16 of the 53 bits of an `f64`; what is left rounds to the same `f32` as the exact value,
+/// but for one case in 2⁻¹², in which it rounds to the neighbour, half a unit away.
 pub(crate) const CANCELLATION: f64 = 1.0 / 65_536.0;

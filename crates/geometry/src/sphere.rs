@@ -39,6 +39,9 @@ pub(crate) struct Root {
     pub(crate) normal: DVec3,
 }
 
+/// Beyond 2²⁵ radii the position takes digits from the distance that the normal needs.
+pub(crate) const FAR: f64 = (1_u64 << 50) as f64;
+
 impl Sphere {
     /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
     #[must_use]
@@ -90,7 +93,8 @@ impl Sphere {
         let root = discriminant.sqrt();
         // The ends of the part of the line that lies in the ball.
         let (near, far) = (-b - root, -b + root);
-        if (discriminant <= grazing) | ((near * far).abs() <= grazing) {
+        let product = (near * far).abs();
+        if (discriminant <= grazing) | (product <= grazing) | (product > FAR * square) {
             return self.solve_carefully(ray);
         }
         let mut t64 = near * over_a;

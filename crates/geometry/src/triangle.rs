@@ -76,7 +76,8 @@ impl Triangle {
     #[inline]
     fn at(&self, u: f64, v: f64) -> DVec3 {
         let (p0, p1, p2) = (self.p0.as_dvec3(), self.p1.as_dvec3(), self.p2.as_dvec3());
-        (1.0 - u - v) * p0 + u * p1 + v * p2
+        // The rounded u + v may exceed 1; the point must not leave the triangle's box.
+        (1.0 - u - v).max(0.0) * p0 + u * p1 + v * p2
     }
 
     #[inline]

@@ -26,10 +26,21 @@ impl Quad {
         Triangle { p0: self.p2, p1: self.p3, p2: self.p1 }
     }
 
+    /// The triangles would each ignore a corner of the other.
+    #[inline]
+    fn is_finite(&self) -> bool {
+        // An infinity times zero is a NaN, and so is all that it is added to.
+        let sum = (self.p0 + self.p1 * 0.0) * 0.0 + (self.p2 * 0.0 + self.p3 * 0.0);
+        sum == Vec3::ZERO
+    }
+
     /// The first crossing with `t` in `t_min..=t_max`.
     #[must_use]
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if !self.is_finite() {
+            return None;
+        }
         let first = self.first().closest(ray);
         let second = self.second().closest(ray).map(|mut hit| {
             hit.parameters = Vec2::ONE - hit.parameters;
@@ -45,6 +56,9 @@ impl Quad {
     #[must_use]
     #[inline]
     pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
+        if !self.is_finite() {
+            return None;
+        }
         match (self.first().closest_t(ray), self.second().closest_t(ray)) {
             (Some(first), Some(second)) => Some(first.min(second)),
             (first, second) => first.or(second),
@@ -55,7 +69,7 @@ impl Quad {
     #[must_use]
     #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
-        self.first().any(ray) || self.second().any(ray)
+        self.is_finite() && (self.first().any(ray) || self.second().any(ray))
     }
 
     /// A box that holds both triangles, and every position that [`Self::closest`] reports.

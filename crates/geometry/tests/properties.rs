@@ -1,0 +1,179 @@
+//! What holds of every shape and every ray, random and degenerate.
+
+use proptest::prelude::*;
+use rotund_geometry::glam::{Vec2, Vec3};
+use rotund_geometry::vanilla::{Line, Point, Quad};
+use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
+
+/// Numbers of a scene, and those that are no numbers of any scene.
+fn any_number() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        6 => -2.0_f32..2.0,
+        2 => prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, 0.5]),
+        1 => prop::sample::select(vec![
+            f32::MIN_POSITIVE, 1e-40, f32::MAX, f32::MIN, 1e30, -1e20, 1e-20,
+            f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::EPSILON,
+        ]),
+    ]
+}
+
+fn any_point() -> impl Strategy<Value = Vec3> {
+    [any_number(), any_number(), any_number()].prop_map(Vec3::from)
+}
+
+fn any_ray() -> impl Strategy<Value = Ray> {
+    (any_point(), any_point(), any_number(), any_number())
+        .prop_map(|(origin, direction, t_min, t_max)| Ray { origin, direction, t_min, t_max })
+}
+
+fn point() -> impl Strategy<Value = Vec3> {
+    [-2.0_f32..2.0, -2.0_f32..2.0, -2.0_f32..2.0].prop_map(Vec3::from)
+}
+
+fn sane_ray() -> impl Strategy<Value = Ray> {
+    (point(), point())
+        .prop_map(|(origin, direction)| Ray::new(5.0 * origin, direction - 2.0 * origin))
+}
+
+/// The calls that all shapes share.
+trait Shape: Copy + std::fmt::Debug {
+    fn closest(&self, ray: &Ray) -> Option<Hit>;
+    fn closest_t(&self, ray: &Ray) -> Option<f32>;
+    fn any(&self, ray: &Ray) -> bool;
+    fn bounds(&self) -> Aabb;
+    fn uv(&self, hit: &Hit) -> Vec2;
+    fn position(&self, uv: Vec2) -> Vec3;
+    fn normal(&self, uv: Vec2) -> Vec3;
+    fn scaled(&self, by: f32) -> Self;
+}
+
+macro_rules! shape {
+    ($type:ident, $self:ident, $by:ident => $scaled:expr) => {
+        impl Shape for $type {
+            fn closest(&self, ray: &Ray) -> Option<Hit> {
+                self.closest(ray)
+            }
+            fn closest_t(&self, ray: &Ray) -> Option<f32> {
+                self.closest_t(ray)
+            }
+            fn any(&self, ray: &Ray) -> bool {
+                self.any(ray)
+            }
+            fn bounds(&self) -> Aabb {
+                self.bounds()
+            }
+            fn uv(&self, hit: &Hit) -> Vec2 {
+                self.uv(hit)
+            }
+            fn position(&self, uv: Vec2) -> Vec3 {
+                self.position(uv)
+            }
+            fn normal(&self, uv: Vec2) -> Vec3 {
+                self.normal(uv)
+            }
+            fn scaled(&$self, $by: f32) -> Self {
+                $scaled
+            }
+        }
+    };
+}
+
+shape!(Sphere, self, by => Self { center: self.center * by, radius: self.radius * by });
+shape!(RoundedCone, self, by => Self { p0: self.p0 * by, r0: self.r0 * by, p1: self.p1 * by, r1: self.r1 * by });
+shape!(BilinearPatch, self, by => Self { p00: self.p00 * by, p10: self.p10 * by, p01: self.p01 * by, p11: self.p11 * by });
+shape!(Triangle, self, by => Self { p0: self.p0 * by, p1: self.p1 * by, p2: self.p2 * by });
+shape!(Point, self, by => Self { center: self.center * by, radius: self.radius * by });
+shape!(Line, self, by => Self { p0: self.p0 * by, r0: self.r0 * by, p1: self.p1 * by, r1: self.r1 * by });
+shape!(Quad, self, by => Self { p0: self.p0 * by, p1: self.p1 * by, p2: self.p2 * by, p3: self.p3 * by });
+
+/// No NaN and no panic, and the queries agree, whatever the numbers.
+fn agrees(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
+    let hit = shape.closest(ray);
+    prop_assert_eq!(shape.closest_t(ray).map(f32::to_bits), hit.map(|hit| hit.t.to_bits()));
+    prop_assert_eq!(shape.any(ray), hit.is_some());
+    let bounds = shape.bounds();
+    let Some(hit) = hit else { return Ok(()) };
+    prop_assert!(hit.t.is_finite() && hit.t >= ray.t_min && hit.t <= ray.t_max, "{:?}", hit);
+    prop_assert!(!hit.position.is_nan() && hit.error >= 0.0, "{:?}", hit);
+    prop_assert!((hit.normal.length() - 1.0).abs() < 1e-5, "{:?} {:?} {:?}", shape, ray, hit);
+    prop_assert!(hit.parameters.is_finite(), "{:?}", hit);
+    prop_assert!(hit.position.cmpge(bounds.min).all() && hit.position.cmple(bounds.max).all());
+    let uv = shape.uv(&hit);
+    prop_assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all(), "{:?}", uv);
+    prop_assert!(!shape.position(uv).is_nan() && !shape.normal(uv).is_nan());
+    Ok(())
+}
+
+/// A smaller interval that holds the hit finds it; a later start finds a later hit or none.
+fn is_monotone(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
+    let Some(hit) = shape.closest(ray) else {
+        let part = Ray { t_min: 0.5, t_max: 1.5, ..*ray };
+        prop_assert_eq!(shape.closest(&part), None);
+        return Ok(());
+    };
+    prop_assert_eq!(shape.closest(&Ray { t_max: hit.t, ..*ray }), Some(hit));
+    prop_assert_eq!(shape.closest(&Ray { t_min: hit.t, ..*ray }).map(|hit| hit.t), Some(hit.t));
+    prop_assert_eq!(shape.closest(&Ray { t_max: hit.t.next_down(), ..*ray }), None);
+    let next = shape.closest(&Ray { t_min: hit.t.next_up(), ..*ray });
+    prop_assert!(next.is_none_or(|next| next.t > hit.t));
+    Ok(())
+}
+
+/// A power of two scales exactly, so the answer is the same to the last bit.
+fn scales(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
+    let hit = shape.closest(ray);
+    for power in [-20, -10, 10, 20] {
+        let by = 2.0_f32.powi(power);
+        let scaled = Ray { origin: ray.origin * by, direction: ray.direction * by, ..*ray };
+        let other = shape.scaled(by).closest(&scaled);
+        prop_assert_eq!(other.map(|hit| (hit.t, hit.normal)), hit.map(|hit| (hit.t, hit.normal)));
+        prop_assert_eq!(other.map(|hit| hit.position), hit.map(|hit| hit.position * by));
+    }
+    Ok(())
+}
+
+fn all(shape: impl Shape, wild: &Ray, sane: &Ray) -> Result<(), TestCaseError> {
+    agrees(shape, wild)?;
+    agrees(shape, sane)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 6000, failure_persistence: None, rng_seed: prop::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+
+    #[test]
+    fn of_a_sphere(center in any_point(), radius in any_number(), wild in any_ray(), sane in sane_ray()) {
+        all(Sphere { center, radius }, &wild, &sane)?;
+        all(Point { center, radius }, &wild, &sane)?;
+    }
+
+    #[test]
+    fn of_a_rounded_cone(p0 in any_point(), r0 in any_number(), p1 in any_point(), r1 in any_number(), wild in any_ray(), sane in sane_ray()) {
+        all(RoundedCone { p0, r0, p1, r1 }, &wild, &sane)?;
+        all(Line { p0, r0, p1, r1 }, &wild, &sane)?;
+    }
+
+    #[test]
+    fn of_a_patch(p in [any_point(), any_point(), any_point(), any_point()], wild in any_ray(), sane in sane_ray()) {
+        let [p0, p1, p2, p3] = p;
+        all(BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 }, &wild, &sane)?;
+        all(Quad { p0, p1, p2, p3 }, &wild, &sane)?;
+        all(Triangle { p0, p1, p2 }, &wild, &sane)?;
+    }
+
+    #[test]
+    fn of_shapes_of_a_scene_scaled_or_met_by_part_of_a_ray(p in [point(), point(), point(), point()], r in [0.01_f32..1.0, 0.01_f32..1.0], ray in sane_ray()) {
+        let ([p0, p1, p2, p3], [r0, r1]) = (p, r);
+        scales(Sphere { center: p0, radius: r0 }, &ray)?;
+        scales(RoundedCone { p0, r0, p1, r1 }, &ray)?;
+        scales(BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 }, &ray)?;
+        scales(Triangle { p0, p1, p2 }, &ray)?;
+        scales(Quad { p0, p1, p2, p3 }, &ray)?;
+        is_monotone(Sphere { center: p0, radius: r0 }, &ray)?;
+        is_monotone(RoundedCone { p0, r0, p1, r1 }, &ray)?;
+        is_monotone(BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 }, &ray)?;
+        is_monotone(Triangle { p0, p1, p2 }, &ray)?;
+        is_monotone(Point { center: p0, radius: r0 }, &ray)?;
+        is_monotone(Line { p0, r0, p1, r1 }, &ray)?;
+        is_monotone(Quad { p0, p1, p2, p3 }, &ray)?;
+    }
+}

@@ -1,0 +1,146 @@
+//! A ray that leaves a surface by `leave_surface` does not meet it again unless it truly does.
+
+mod support;
+
+use rotund_geometry::glam::{DVec3, Vec2, Vec3};
+use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, leave_surface};
+use support::{Random, ray};
+
+/// A direction on the outer side of `normal`; every third one almost tangent.
+fn outwards(random: &mut Random, normal: Vec3) -> Vec3 {
+    let n = normal.as_dvec3();
+    let d = match random.bits() % 3 {
+        0 => random.across(n) + n * 10_f64.powf(random.range(-6.0, -2.0)),
+        _ => {
+            let d = random.direction();
+            if d.dot(n) < 0.0 { -d } else { d }
+        }
+    };
+    // The normal is rounded, and so is the direction: nearer to the tangent plane, a ray truly enters.
+    let d = d.as_vec3();
+    if d.as_dvec3().dot(n) > 5e-7 { d } else { normal }
+}
+
+fn leave(hit: &Hit, direction: Vec3) -> Ray {
+    Ray::new(leave_surface(hit.position, hit.error, hit.normal, direction), direction)
+}
+
+/// Shapes of all scales, at all distances from the origin of the world.
+fn placed(random: &mut Random) -> (DVec3, f64) {
+    let scale = 10_f64.powf(random.range(-6.0, 6.0));
+    let offset = 10_f64.powf(random.range(-3.0, 5.0));
+    (random.direction() * offset * scale, scale)
+}
+
+fn aimed(random: &mut Random, target: Vec3, scale: f64) -> Ray {
+    let distance = scale * 10_f64.powf(random.range(0.5, 4.0));
+    let d = random.direction() * 10_f64.powf(random.range(-2.0, 2.0));
+    ray(target.as_dvec3() - d.normalize() * distance, d)
+}
+
+#[test]
+fn a_ray_that_leaves_a_sphere_never_meets_it_again() {
+    let mut random = Random(1);
+    let mut bounces = 0;
+    while bounces < 1_500_000 {
+        let (center, scale) = placed(&mut random);
+        let sphere = Sphere { center: center.as_vec3(), radius: scale as f32 };
+        let target = sphere.center + (random.direction() * scale).as_vec3();
+        let Some(hit) = sphere.closest(&aimed(&mut random, target, scale)) else { continue };
+        for _ in 0..4 {
+            bounces += 1;
+            let out = leave(&hit, outwards(&mut random, hit.normal));
+            assert_eq!(sphere.closest(&out), None, "{sphere:?} {hit:?} {out:?}");
+            // Inwards, the next hit is the far side, not the surface that was just entered.
+            let into = leave(&hit, -outwards(&mut random, hit.normal));
+            let cosine = -hit.normal.as_dvec3().dot(into.direction.as_dvec3().normalize());
+            let exit = sphere.closest(&into).expect("an exit");
+            assert!(exit.normal.dot(into.direction) >= 0.0, "{sphere:?} {hit:?} {into:?}");
+            let chord = f64::from(exit.position.distance(hit.position));
+            assert!(cosine < 1e-2 || chord > scale * cosine, "{sphere:?} {hit:?} {into:?}");
+        }
+    }
+}
+
+#[test]
+fn a_ray_that_leaves_a_cone_never_meets_it_again() {
+    let mut random = Random(2);
+    let mut bounces = 0;
+    while bounces < 1_000_000 {
+        let (p0, scale) = placed(&mut random);
+        let axis = random.direction() * scale * 10_f64.powf(random.range(-2.0, 2.0));
+        let cone = RoundedCone {
+            p0: p0.as_vec3(),
+            r0: (scale * random.range(0.1, 1.0)) as f32,
+            p1: (p0 + axis).as_vec3(),
+            r1: (scale * random.range(0.1, 1.0)) as f32,
+        };
+        let uv = Vec2::new(random.range(0.0, 1.0) as f32, random.range(0.0, 1.0) as f32);
+        let target = cone.position(uv);
+        let Some(hit) = cone.closest(&aimed(&mut random, target, scale)) else { continue };
+        for _ in 0..4 {
+            bounces += 1;
+            let out = leave(&hit, outwards(&mut random, hit.normal));
+            assert_eq!(cone.closest(&out), None, "{cone:?} {hit:?} {out:?}");
+            let into = leave(&hit, -outwards(&mut random, hit.normal));
+            let exit = cone.closest(&into).expect("an exit");
+            assert!(exit.normal.dot(into.direction) >= 0.0, "{cone:?} {hit:?} {into:?}");
+        }
+    }
+}
+
+#[test]
+fn a_ray_that_leaves_a_flat_patch_or_a_triangle_never_meets_it_again() {
+    let mut random = Random(3);
+    let mut bounces = 0;
+    while bounces < 600_000 {
+        let (p00, scale) = placed(&mut random);
+        let (e, f) = (random.direction() * scale, random.direction() * scale);
+        let triangle =
+            Triangle { p0: p00.as_vec3(), p1: (p00 + e).as_vec3(), p2: (p00 + f).as_vec3() };
+        let uv = Vec2::new(random.range(0.1, 0.4) as f32, random.range(0.1, 0.4) as f32);
+        let target = triangle.position(uv);
+        let Some(hit) = triangle.closest(&aimed(&mut random, target, scale)) else { continue };
+        for _ in 0..4 {
+            bounces += 1;
+            for side in [1.0, -1.0] {
+                let out = leave(&hit, side * outwards(&mut random, hit.normal));
+                assert_eq!(triangle.closest(&out), None, "{triangle:?} {hit:?} {out:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_that_leaves_a_patch_meets_it_again_only_where_it_bends_back() {
+    let mut random = Random(4);
+    let mut bounces = 0;
+    while bounces < 600_000 {
+        let (center, scale) = placed(&mut random);
+        let mut corner = |x: f64, y: f64| {
+            let shake = random.direction() * 0.3;
+            (center + scale * (DVec3::new(x, y, 0.0) + shake)).as_vec3()
+        };
+        let patch = BilinearPatch {
+            p00: corner(-1.0, -1.0),
+            p10: corner(1.0, -1.0),
+            p01: corner(-1.0, 1.0),
+            p11: corner(1.0, 1.0),
+        };
+        let uv = Vec2::new(random.range(0.0, 1.0) as f32, random.range(0.0, 1.0) as f32);
+        let target = patch.position(uv);
+        let Some(hit) = patch.closest(&aimed(&mut random, target, scale)) else { continue };
+        for _ in 0..4 {
+            for side in [1.0, -1.0] {
+                bounces += 1;
+                let out = leave(&hit, side * outwards(&mut random, hit.normal));
+                let Some(again) = patch.closest(&out) else { continue };
+                // The normals here turn by at most about 2 radians per edge: to climb back at the angle
+                // at which it left, a ray travels in proportion to that angle.
+                let sine = f64::from(out.direction.normalize().dot(hit.normal).abs());
+                let way = f64::from(again.position.distance(hit.position)) / scale;
+                assert!(way > 0.2 * sine - 1e-6, "{patch:?} {hit:?} {out:?} {again:?}");
+            }
+        }
+    }
+}

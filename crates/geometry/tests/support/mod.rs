@@ -1,0 +1,155 @@
+//! What the tests share: seeded random numbers, hard rays, and arithmetic of 106 bits.
+#![allow(dead_code, reason = "each test file uses a part")]
+
+use core::ops::{Add, Mul, Neg, Sub};
+
+use rotund_geometry::Ray;
+use rotund_geometry::glam::{DVec3, Vec3};
+
+/// splitmix64: the same numbers on every machine.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    pub(crate) fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    pub(crate) fn direction(&mut self) -> DVec3 {
+        let (z, angle) = (self.range(-1.0, 1.0), self.range(0.0, core::f64::consts::TAU));
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(r * angle.cos(), r * angle.sin(), z)
+    }
+
+    /// A unit vector across `axis`.
+    pub(crate) fn across(&mut self, axis: DVec3) -> DVec3 {
+        loop {
+            let v = self.direction();
+            let v = v - axis * (v.dot(axis) / axis.length_squared());
+            if v.length() > 0.1 {
+                return v.normalize();
+            }
+        }
+    }
+}
+
+pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    Ray::new(origin.as_vec3(), direction.as_vec3())
+}
+
+/// `high + low`, 106 bits; the error of a product comes from a fused multiply-add.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub(crate) struct Wide(pub(crate) f64, pub(crate) f64);
+
+impl From<f32> for Wide {
+    fn from(x: f32) -> Self {
+        Self(f64::from(x), 0.0)
+    }
+}
+
+impl From<f64> for Wide {
+    fn from(x: f64) -> Self {
+        Self(x, 0.0)
+    }
+}
+
+fn two_sum(a: f64, b: f64) -> Wide {
+    let sum = a + b;
+    let b_part = sum - a;
+    Wide(sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+impl Add for Wide {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let (high, low) = (two_sum(self.0, other.0), two_sum(self.1, other.1));
+        let high = two_sum(high.0, high.1 + low.0);
+        two_sum(high.0, high.1 + low.1)
+    }
+}
+
+impl Neg for Wide {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
+impl Sub for Wide {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Wide {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let product = self.0 * other.0;
+        let error = self.0.mul_add(other.0, -product);
+        two_sum(product, error + (self.0 * other.1 + self.1 * other.0))
+    }
+}
+
+impl Wide {
+    pub(crate) fn sqrt(self) -> Self {
+        if self.0 <= 0.0 {
+            return Self(0.0, 0.0);
+        }
+        let root = Self(self.0.sqrt(), 0.0);
+        let rest = self - root * root;
+        root + Self(rest.0 / (2.0 * root.0), 0.0)
+    }
+
+    pub(crate) fn over(self, other: Self) -> Self {
+        let first = Self(self.0 / other.0, 0.0);
+        let rest = self - first * other;
+        let second = Self(rest.0 / other.0, 0.0);
+        let rest = rest - second * other;
+        first + second + Self(rest.0 / other.0, 0.0)
+    }
+}
+
+pub(crate) type Wide3 = [Wide; 3];
+
+pub(crate) fn wide(p: Vec3) -> Wide3 {
+    p.to_array().map(Wide::from)
+}
+
+pub(crate) fn minus(a: Wide3, b: Wide3) -> Wide3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(crate) fn dot(a: Wide3, b: Wide3) -> Wide {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The point of a ray at a `t` of any precision.
+pub(crate) fn at(ray: &Ray, t: Wide) -> Wide3 {
+    let (o, d) = (wide(ray.origin), wide(ray.direction));
+    [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]
+}
+
+/// The smallest and the largest real that round to `t`, a little widened.
+pub(crate) fn rounding_interval(t: f32) -> [Wide; 2] {
+    let (t, below, above) = (f64::from(t), f64::from(t.next_down()), f64::from(t.next_up()));
+    let slack = 1e-12 * (above - below);
+    [Wide::from(0.5 * (t + below) - slack), Wide::from(0.5 * (t + above) + slack)]
+}
+
+/// Largest of the coordinates and `size`, in units of 2⁻²⁴.
+pub(crate) fn local_unit(p: Vec3, size: f32) -> f64 {
+    f64::from(p.length().max(size)) * 2.0_f64.powi(-24)
+}
+
+/// Degrees between a rounded normal and an exact direction of any length.
+pub(crate) fn degrees(normal: Vec3, exact: DVec3) -> f64 {
+    let n = normal.as_dvec3();
+    n.cross(exact).length().atan2(n.dot(exact)).to_degrees()
+}
