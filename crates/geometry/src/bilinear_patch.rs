@@ -97,13 +97,10 @@ impl BilinearPatch {
         let (p00, p10) = space.project(self.p00, self.p10);
         let (p01, p11) = space.project(self.p01, self.p11);
         // The patch lies in the hull of its corners. A NaN may pass here; it fails below.
-        let low = |a: f64, b: f64| if a < b { a } else { b };
-        let high = |a: f64, b: f64| if a > b { a } else { b };
-        let four = |f: fn(f64, f64) -> f64, a, b, c, d| f(f(a, b), f(c, d));
-        let outside = (four(low, p00.x, p10.x, p01.x, p11.x) > 0.0)
-            | (four(low, p00.y, p10.y, p01.y, p11.y) > 0.0)
-            | (four(high, p00.x, p10.x, p01.x, p11.x) < 0.0)
-            | (four(high, p00.y, p10.y, p01.y, p11.y) < 0.0);
+        let outside = (low(low(p00.x, p10.x), low(p01.x, p11.x)) > 0.0)
+            | (low(low(p00.y, p10.y), low(p01.y, p11.y)) > 0.0)
+            | (high(high(p00.x, p10.x), high(p01.x, p11.x)) < 0.0)
+            | (high(high(p00.y, p10.y), high(p01.y, p11.y)) < 0.0);
         if outside {
             return None;
         }
@@ -219,12 +216,7 @@ impl Corners {
     /// clamped to the patch.
     #[inline(always)]
     fn along_ruling(&self, u: f64) -> (f64, f64) {
-        let lerp = |a: Image, b: Image| Image {
-            x: a.x + u * (b.x - a.x),
-            y: a.y + u * (b.y - a.y),
-            depth: a.depth + u * (b.depth - a.depth),
-        };
-        let (p0, p1) = (lerp(self.p00, self.p10), lerp(self.p01, self.p11));
+        let (p0, p1) = (between(self.p00, self.p10, u), between(self.p01, self.p11, u));
         let (x, y) = (p1.x - p0.x, p1.y - p0.y);
         let square = x * x + y * y;
         // A ruling seen end-on is a point of the image: take its middle.
@@ -307,5 +299,27 @@ impl Corners {
             (Some(first), Some(second)) => Some(if t1 < t0 { second } else { first }),
             (first, second) => first.or(second),
         }
+    }
+}
+
+// Functions, not closures: a closure would stay a call of its own where the caller is compiled for more
+// instructions than this crate, and `f64::min` minds NaN at a cost.
+
+#[inline(always)]
+fn low(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn high(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn between(a: Image, b: Image, s: f64) -> Image {
+    Image {
+        x: a.x + s * (b.x - a.x),
+        y: a.y + s * (b.y - a.y),
+        depth: a.depth + s * (b.depth - a.depth),
     }
 }

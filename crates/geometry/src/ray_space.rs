@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::Ray;
+use crate::{Ray, widen};
 
 /// Projects points along a ray onto a plane.
 ///
@@ -19,7 +19,11 @@ pub(crate) struct RaySpace {
     axes: [usize; 3],
     origin: [f64; 3],
     direction: [f64; 3],
+    over_dz: f64,
 }
+
+/// The two axes that follow each axis.
+const ACROSS: [[usize; 2]; 4] = [[1, 2], [2, 0], [0, 1], [0, 1]];
 
 /// The image of a vertex, and its depth: the distance along the dominant axis.
 #[derive(Clone, Copy)]
@@ -30,41 +34,46 @@ pub(crate) struct Image {
 }
 
 impl RaySpace {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
         let size = ray.direction.abs();
-        let axes = if size.x > size.y {
-            if size.x > size.z { [1, 2, 0] } else { [0, 1, 2] }
+        let z = if size.x > size.y {
+            if size.x > size.z { 0 } else { 2 }
         } else if size.y > size.z {
-            [2, 0, 1]
+            1
         } else {
-            [0, 1, 2]
+            2
         };
-        Self { axes, origin: pick(ray.origin, axes), direction: pick(ray.direction, axes) }
+        let [x, y] = ACROSS[z & 3];
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let ([ox, oy], [dx, dy], [oz, dz]) =
+            (widen::pair(o[x], o[y]), widen::pair(d[x], d[y]), widen::pair(o[z], d[z]));
+        Self { axes: [x, y, z], origin: [ox, oy, oz], direction: [dx, dy, dz], over_dz: dz.recip() }
     }
 
-    #[inline]
-    pub(crate) fn project(&self, p: Vec3) -> Image {
-        let [x, y, z] = pick(p, self.axes);
+    /// The images of two points.
+    #[inline(always)]
+    pub(crate) fn project(&self, p: Vec3, q: Vec3) -> (Image, Image) {
+        let [x, y, z] = self.axes;
+        let (p, q) = (p.to_array(), q.to_array());
+        let (p_xy, q_xy) = (widen::pair(p[x], p[y]), widen::pair(q[x], q[y]));
+        let [pz, qz] = widen::pair(p[z], q[z]);
+        (self.image(p_xy, pz), self.image(q_xy, qz))
+    }
+
+    #[inline(always)]
+    fn image(&self, [x, y]: [f64; 2], z: f64) -> Image {
+        let [dx, dy, dz] = self.direction;
         let [ox, oy, oz] = self.origin;
         let (x, y, z) = (x - ox, y - oy, z - oz);
-        let [dx, dy, dz] = self.direction;
         Image { x: x * dz - z * dx, y: y * dz - z * dy, depth: z }
     }
 
     /// `t` at a depth.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn t(&self, depth: f64) -> f64 {
-        depth / self.direction[2]
+        depth * self.over_dz
     }
-}
-
-/// The coordinates in the order of `axes`. Written out: a closure would stay a call of its own where the
-/// caller is compiled for more instructions.
-#[inline]
-fn pick(v: Vec3, axes: [usize; 3]) -> [f64; 3] {
-    let v = v.to_array();
-    [f64::from(v[axes[0]]), f64::from(v[axes[1]]), f64::from(v[axes[2]])]
 }
 
 /// Twice the signed area of the triangle (ray, a, b): negated, to the last bit, if `a` and `b` change

@@ -56,8 +56,8 @@ impl Triangle {
     #[inline(always)]
     fn solve(&self, ray: &Ray) -> Option<Root> {
         let space = RaySpace::new(ray);
-        let (p0, p1) = (space.project(self.p0), space.project(self.p1));
-        let p2 = space.project(self.p2);
+        let (p0, p1) = space.project(self.p0, self.p1);
+        let (p2, _) = space.project(self.p2, self.p2);
         // The weight of each corner is the area that the ray spans with the opposite edge.
         let (w0, w1, w2) = (edge(p1, p2), edge(p2, p0), edge(p0, p1));
         if !(crosses(p1, p2, w0) ^ crosses(p2, p0, w1) ^ crosses(p0, p1, w2)) {

@@ -72,7 +72,7 @@ fn rays_exactly_through_corners_and_edges_count_once() {
     // Everything is representable: the ray passes through the corner, and not only near it.
     for dx in -8..=8_i8 {
         for dy in -8..=8_i8 {
-            let height = |i: usize, j: usize| if (i + j) % 2 == 0 { 0.25 } else { -0.25 };
+            let height = |i: usize, j: usize| if (i + j).is_multiple_of(2) { 0.25 } else { -0.25 };
             let p = |i: usize, j: usize| Vec3::new(i as f32 - 1.0, j as f32 - 1.0, height(i, j));
             let patches = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| BilinearPatch {
                 p00: p(i, j),
