@@ -17,6 +17,7 @@ pub const UNIT_ROUNDOFF: f32 = 0.5 * f32::EPSILON;
 /// Source: M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", section 6.8.6 (robust
 /// spawned ray origins), 4th edition, 2023.
 #[must_use]
+#[inline]
 pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) -> Vec3 {
     // In `f64`, where the products are exact: the sign of a grazing direction must not be an accident.
     let outwards = normal.as_dvec3().dot(direction.as_dvec3());

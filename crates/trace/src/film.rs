@@ -1,5 +1,7 @@
 //! What a render leaves behind: sums of samples, and the picture they make.
 
+use crate::Options;
+
 /// The sums of the samples of each pixel.
 ///
 /// Sums are exact: they are counted in whole steps of 2⁻⁵⁶, so the order in which samples come
@@ -15,8 +17,56 @@ pub struct Film {
     pub samples: u32,
     /// Samples whose radiance was not a number, negative, or 2³⁹ and more: they count as black.
     pub rejected: u64,
+    /// The seed of its samples.
+    pub seed: u64,
+    /// Which samples of the picture it holds.
+    pub shard: Shard,
+    /// What the samples are of, in the words of whoever renders: films of different labels are of
+    /// different pictures.
+    pub label: String,
     /// Row by row.
     pub(crate) pixels: Vec<PixelSum>,
+}
+
+/// Every `count`-th sample of a picture from the `index`-th on. Shards of one picture can be rendered
+/// anywhere, at any time; [`Film::merge`] puts them together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Less than `count`.
+    pub index: u32,
+    /// Into how many shards the picture is divided.
+    pub count: u32,
+}
+
+impl Default for Shard {
+    /// All samples.
+    fn default() -> Self {
+        Self { index: 0, count: 1 }
+    }
+}
+
+impl Shard {
+    /// How many of the first `samples` of a picture this shard has.
+    #[must_use]
+    pub fn share_of(self, samples: u32) -> u32 {
+        samples.saturating_sub(self.index).div_ceil(self.count)
+    }
+}
+
+/// Why films do not make one picture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum MergeError {
+    #[error("there is no film to merge")]
+    Nothing,
+    #[error(
+        "film {number} is of another picture than film 1: size, seed, label and shard count must agree"
+    )]
+    Different { number: usize },
+    #[error("shard {index} of {count} is there {times} times, not once")]
+    Shards { index: u32, count: u32, times: usize },
+    #[error("shard {index} has {samples} samples, not {expected}: it is not finished")]
+    Unfinished { index: u32, samples: u32, expected: u32 },
 }
 
 /// Linear RGB and coverage, row by row from the top.
@@ -47,9 +97,58 @@ const LIMIT: f32 = (1_u64 << 39) as f32;
 impl Film {
     /// A film without samples.
     #[must_use]
-    pub fn new(width: u32, height: u32) -> Self {
-        let pixels = vec![PixelSum::default(); width as usize * height as usize];
-        Self { width, height, samples: 0, rejected: 0, pixels }
+    pub fn new(options: &Options) -> Self {
+        let &Options { width, height, seed, shard, .. } = options;
+        Self {
+            width,
+            height,
+            samples: 0,
+            rejected: 0,
+            seed,
+            shard,
+            label: String::new(),
+            pixels: vec![PixelSum::default(); width as usize * height as usize],
+        }
+    }
+
+    /// Puts all shards of a picture together, in any order: bit for bit the film of an undivided render.
+    ///
+    /// # Errors
+    ///
+    /// If the films are not all shards of one picture, each once and finished.
+    pub fn merge(films: &[Self]) -> Result<Self, MergeError> {
+        let first = films.first().ok_or(MergeError::Nothing)?;
+        let of = |film: &Self| {
+            (film.width, film.height, film.seed, film.shard.count, film.label.clone())
+        };
+        if let Some(other) = films.iter().position(|film| of(film) != of(first)) {
+            return Err(MergeError::Different { number: other + 1 });
+        }
+        let count = first.shard.count;
+        for index in 0..count {
+            let times = films.iter().filter(|film| film.shard.index == index).count();
+            if times != 1 {
+                return Err(MergeError::Shards { index, count, times });
+            }
+        }
+        let samples = films.iter().map(|film| film.samples).sum();
+        for film in films {
+            let (index, expected) = (film.shard.index, film.shard.share_of(samples));
+            if film.samples != expected {
+                return Err(MergeError::Unfinished { index, samples: film.samples, expected });
+            }
+        }
+        let mut sum = Self { shard: Shard::default(), samples, ..first.clone() };
+        for film in &films[1..] {
+            sum.rejected += film.rejected;
+            for (pixel, part) in sum.pixels.iter_mut().zip(&film.pixels) {
+                pixel.covered += part.covered;
+                for (radiance, part) in pixel.radiance.iter_mut().zip(part.radiance) {
+                    *radiance += part;
+                }
+            }
+        }
+        Ok(sum)
     }
 
     /// The mean of the samples, rounded once; black where there are none.
@@ -115,7 +214,7 @@ mod tests {
             ("subnormal", &[1e-40], 0.0),
         ];
         for (why, samples, mean) in table {
-            let mut film = Film::new(1, 1);
+            let mut film = Film::new(&Options { width: 1, height: 1, ..Options::default() });
             for &x in samples {
                 assert!(film.pixels[0].add([x; 3], true), "{why}");
                 film.samples += 1;

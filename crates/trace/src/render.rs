@@ -1,7 +1,7 @@
 //! All pixels of a picture, over all threads.
 
 use crate::path::World;
-use crate::{Film, Lights, Sampler, Sequence, film::PixelSum};
+use crate::{Film, Lights, Sampler, Sequence, Shard, film::PixelSum};
 use glam::Vec2;
 use rayon::prelude::*;
 use rotund_scene::{Material, MaterialKind, Pixels, Scene, Trees};
@@ -15,7 +15,7 @@ pub struct Options {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Samples per pixel.
+    /// Samples per pixel, over all shards.
     pub samples: u32,
     /// Segments of the longest path, counted from the camera: 1 shows what shines, 2 direct light.
     pub bounces: u32,
@@ -23,6 +23,8 @@ pub struct Options {
     pub seed: u64,
     /// Where random numbers come from.
     pub sequence: Sequence,
+    /// Which of the samples are rendered.
+    pub shard: Shard,
 }
 
 impl Default for Options {
@@ -34,6 +36,7 @@ impl Default for Options {
             bounces: 8,
             seed: 0,
             sequence: Sequence::Sobol,
+            shard: Shard::default(),
         }
     }
 }
@@ -66,7 +69,7 @@ pub fn render(
     options: &Options,
     progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
 ) -> Film {
-    let mut film = Film::new(options.width, options.height);
+    let mut film = Film::new(options);
     resume(&mut film, scene, trees, lights, camera, options, progress);
     film
 }
@@ -75,7 +78,8 @@ pub fn render(
 ///
 /// # Panics
 ///
-/// If the scene has no camera of that index, or the film has not the size that `options` say.
+/// If the scene has no camera of that index, or the film has not the size, seed and shard that `options`
+/// say.
 pub fn resume(
     film: &mut Film,
     scene: &Scene,
@@ -85,19 +89,15 @@ pub fn resume(
     options: &Options,
     progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
 ) {
-    assert!(
-        (film.width, film.height) == (options.width, options.height),
-        "a film of {} x {} cannot be resumed at {} x {}",
-        film.width,
-        film.height,
-        options.width,
-        options.height
-    );
+    let of_film = (film.width, film.height, film.seed, film.shard);
+    let of_options = (options.width, options.height, options.seed, options.shard);
+    assert!(of_film == of_options, "a film of {of_film:?} cannot be resumed as {of_options:?}");
     let camera = &scene.cameras[camera];
     let world = World { scene, trees, lights, bounces: options.bounces, opaque: is_opaque(scene) };
     let size = Vec2::new(options.width as f32, options.height as f32);
     // One sample of one pixel; returns the rays it took and whether it was rejected.
     let sample = |sum: &mut PixelSum, x: u32, y: u32, index: u32| -> [u64; 2] {
+        let index = options.shard.index + index * options.shard.count;
         let sampler = Sampler::new(options.sequence, options.seed, x, y, index);
         let [u, v, lens_u, lens_v] = sampler.set(0);
         let image_uv = Vec2::new(x as f32 + u, y as f32 + v) / size;
@@ -110,10 +110,11 @@ pub fn resume(
     let start = Instant::now();
     let mut rays = 0;
     let mut pass_samples = 1;
-    while film.samples < options.samples && film.width > 0 {
+    let samples = options.shard.share_of(options.samples);
+    while film.samples < samples && film.width > 0 {
         let pass_start = Instant::now();
         let first = film.samples;
-        let last = options.samples.min(first.saturating_add(pass_samples));
+        let last = samples.min(first.saturating_add(pass_samples));
         let row = |(y, row): (usize, &mut [PixelSum])| {
             let mut counts = [0, 0];
             for (x, sum) in row.iter_mut().enumerate() {

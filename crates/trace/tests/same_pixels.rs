@@ -3,7 +3,8 @@
 mod support;
 
 use rotund_scene::{Scene, Trees};
-use rotund_trace::{Film, Lights, Options, Progress, render, resume};
+use rotund_trace::output::{load_film, save_film};
+use rotund_trace::{Film, Lights, MergeError, Options, Progress, Shard, render, resume};
 use std::ops::ControlFlow;
 
 const OPTIONS: Options = Options {
@@ -13,6 +14,7 @@ const OPTIONS: Options = Options {
     bounces: 8,
     seed: 5,
     sequence: rotund_trace::Sequence::Sobol,
+    shard: Shard { index: 0, count: 1 },
 };
 
 fn picture(scene: &Scene, options: &Options, threads: usize) -> Film {
@@ -50,10 +52,15 @@ fn another_seed_is_another_picture() {
 fn a_picture_that_was_interrupted_and_resumed_is_the_same() {
     let scene = support::glass_over_a_floor();
     let (trees, lights) = (Trees::build(&scene), Lights::build(&scene));
-    let mut film = render(&scene, &trees, &lights, 0, &OPTIONS, &mut |progress: &Progress<'_>| {
+    let film = render(&scene, &trees, &lights, 0, &OPTIONS, &mut |progress: &Progress<'_>| {
         if progress.film.samples >= 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert!(film.samples < OPTIONS.samples, "it was not interrupted");
+    // By way of a file, as another process would.
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("half.film");
+    save_film(&path, &film).expect("it is saved");
+    let mut film = load_film(&path).expect("it is loaded");
     let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
     resume(&mut film, &scene, &trees, &lights, 0, &OPTIONS, go_on);
     assert_eq!(film, picture(&scene, &OPTIONS, 2));
@@ -73,4 +80,48 @@ fn progress_counts_samples_and_rays() {
     assert_eq!(last.0, OPTIONS.samples);
     let paths = u64::from(OPTIONS.width * OPTIONS.height * OPTIONS.samples);
     assert!(last.1 >= paths, "each path has a camera ray");
+}
+
+#[test]
+fn shards_make_the_same_picture_together() {
+    let scene = support::glass_over_a_floor();
+    let shard = |index| {
+        let options = Options { shard: Shard { index, count: 3 }, ..OPTIONS };
+        picture(&scene, &options, 2)
+    };
+    let parts = [shard(2), shard(0), shard(1)];
+    assert_eq!(parts.each_ref().map(|film| film.samples), [2, 3, 3]);
+    assert_eq!(Film::merge(&parts), Ok(picture(&scene, &OPTIONS, 2)));
+
+    let [a, b, c] = parts;
+    let twice = Film::merge(&[a.clone(), b.clone(), b.clone()]);
+    assert_eq!(twice, Err(MergeError::Shards { index: 0, count: 3, times: 2 }));
+    let missing = Film::merge(&[a.clone(), b.clone()]);
+    assert_eq!(missing, Err(MergeError::Shards { index: 1, count: 3, times: 0 }));
+    let mut other = c;
+    other.seed = 9;
+    assert_eq!(Film::merge(&[a, b, other]), Err(MergeError::Different { number: 3 }));
+    assert_eq!(Film::merge(&[]), Err(MergeError::Nothing));
+}
+
+#[test]
+fn a_damaged_checkpoint_is_refused() {
+    let scene = support::glass_over_a_floor();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.film");
+    save_film(&path, &picture(&scene, &OPTIONS, 2)).expect("it is saved");
+    let good = std::fs::read(&path).expect("it is there");
+    let flipped: Vec<u8> =
+        good.iter().enumerate().map(|(i, &byte)| if i == 9000 { byte ^ 4 } else { byte }).collect();
+    let table: [(&str, &[u8], &str); 4] = [
+        ("cut short", &good[..good.len() - 60], "damaged"),
+        ("a bit flipped", &flipped, "damaged"),
+        ("empty", &[], "not a checkpoint"),
+        ("something else", b"P6 640 480 255 and so on and so on", "not a checkpoint"),
+    ];
+    for (why, bytes, expected) in table {
+        std::fs::write(&path, bytes).expect("it is written");
+        let message = load_film(&path).expect_err(why).to_string();
+        assert!(message.contains(expected) && message.contains("a.film"), "{why}: {message}");
+    }
 }

@@ -55,6 +55,7 @@ impl Moments {
                 bounces: plan.bounces,
                 seed: u64::from(seed) << 32 | u64::from(replica),
                 sequence: plan.sequence,
+                ..Options::default()
             };
             let film = render(scene, &trees, &lights, plan.camera, &options, &mut |_| {
                 ControlFlow::Continue(())

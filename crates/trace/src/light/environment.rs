@@ -28,6 +28,8 @@ struct EnvironmentImage {
     environment: Environment,
     width: usize,
     height: usize,
+    /// Cosines of the angle to the pole at the upper edge of each row, and at the lower of the last.
+    edges: Vec<f32>,
     grid: Grid,
 }
 
@@ -80,6 +82,7 @@ impl EnvironmentImage {
             environment: environment.clone(),
             width,
             height,
+            edges: (0..=height).map(|edge| (edge as f32 / height as f32 * PI).cos()).collect(),
             grid: Grid::new(0, 0, |_, _| 0.0),
         };
         let at = |column: usize, row: usize| {
@@ -107,20 +110,15 @@ impl EnvironmentImage {
         (image.grid.sum() > 0.0).then_some(image)
     }
 
-    /// Cosines of the angle to the pole at the upper and lower edge of a row.
-    fn edges(&self, row: usize) -> [f32; 2] {
-        [row, row + 1].map(|edge| (edge as f32 / self.height as f32 * PI).cos())
-    }
-
     /// Of one cell of a row.
     fn solid_angle(&self, row: usize) -> f32 {
-        let [upper, lower] = self.edges(row);
+        let (upper, lower) = (self.edges[row], self.edges[row + 1]);
         TAU / self.width as f32 * (upper - lower)
     }
 
     fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let ([column, row], chance, place) = self.grid.draw(u)?;
-        let [upper, lower] = self.edges(row);
+        let (upper, lower) = (self.edges[row], self.edges[row + 1]);
         let cosine = upper + place.y * (lower - upper);
         let sine = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
         let azimuth = TAU * (column as f32 + place.x) / self.width as f32;

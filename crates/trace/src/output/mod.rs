@@ -1,4 +1,8 @@
-//! Image files: PNG for eyes, EXR and HDR for numbers.
+//! Image files, PNG for eyes, EXR and HDR for numbers; and films to go on with.
+
+mod checkpoint;
+
+pub use checkpoint::{CheckpointError, load_film, save_film};
 
 use crate::{Film, Image};
 use exr::prelude::{

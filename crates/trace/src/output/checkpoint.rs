@@ -1,0 +1,113 @@
+//! Films on disk, to go on with later or to merge with others.
+//!
+//! All numbers are little-endian: 16 bytes of magic; width, height, samples, shard index and shard
+//! count as `u32`; rejected and seed as `u64`; the length of the label as `u32` and its UTF-8; for each
+//! pixel three sums as `u128` and the covered samples as `u32`; and a hash of all before it, so that a
+//! file that was cut or changed is refused.
+
+use super::{OutputError, write_with};
+use crate::film::{Film, PixelSum, Shard};
+use std::{
+    fs, io,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+const MAGIC: &[u8; 16] = b"rotund film 001\n";
+const PIXEL_BYTES: usize = 3 * 16 + 4;
+
+/// Why a checkpoint was refused.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum CheckpointError {
+    #[error("cannot read {}", path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error("{} is not a checkpoint of this version", path.display())]
+    NotACheckpoint { path: PathBuf },
+    #[error("{} is damaged: render it again", path.display())]
+    Damaged { path: PathBuf },
+}
+
+/// Writes all that [`load_film`] needs to give back the same film, complete or not at all.
+///
+/// # Errors
+///
+/// If the file cannot be written.
+pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError> {
+    let mut bytes = Vec::with_capacity(128 + film.label.len() + film.pixels.len() * PIXEL_BYTES);
+    bytes.extend(MAGIC);
+    for number in [film.width, film.height, film.samples, film.shard.index, film.shard.count] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend(film.rejected.to_le_bytes());
+    bytes.extend(film.seed.to_le_bytes());
+    bytes.extend((film.label.len() as u32).to_le_bytes());
+    bytes.extend(film.label.as_bytes());
+    for pixel in &film.pixels {
+        for sum in pixel.radiance {
+            bytes.extend(sum.to_le_bytes());
+        }
+        bytes.extend(pixel.covered.to_le_bytes());
+    }
+    let hash = hash(&bytes);
+    bytes.extend(hash.to_le_bytes());
+    write_with(path, |file| file.write_all(&bytes))
+}
+
+/// Reads what [`save_film`] wrote.
+///
+/// # Errors
+///
+/// If the file cannot be read, is something else, or was damaged.
+pub fn load_film(path: impl AsRef<Path>) -> Result<Film, CheckpointError> {
+    let path = path.as_ref();
+    let bytes =
+        fs::read(path).map_err(|source| CheckpointError::Read { path: path.into(), source })?;
+    if !bytes.starts_with(MAGIC) {
+        return Err(CheckpointError::NotACheckpoint { path: path.into() });
+    }
+    parse(&bytes).ok_or_else(|| CheckpointError::Damaged { path: path.into() })
+}
+
+/// None if the bytes are not what they were.
+fn parse(bytes: &[u8]) -> Option<Film> {
+    let (content, expected) = bytes.split_last_chunk::<8>()?;
+    if hash(content) != u64::from_le_bytes(*expected) {
+        return None;
+    }
+    let mut rest = content.get(MAGIC.len()..)?;
+    let mut take = |count: usize| {
+        let (taken, left) = rest.split_at_checked(count)?;
+        rest = left;
+        Some(taken)
+    };
+    let mut small = || Some(u32::from_le_bytes(take(4)?.try_into().ok()?));
+    let [width, height, samples, index, count] = [small()?, small()?, small()?, small()?, small()?];
+    let mut large = || Some(u64::from_le_bytes(take(8)?.try_into().ok()?));
+    let [rejected, seed] = [large()?, large()?];
+    let length = u32::from_le_bytes(take(4)?.try_into().ok()?);
+    let label = String::from_utf8(take(length as usize)?.to_vec()).ok()?;
+    let pixels: Vec<PixelSum> = rest.chunks_exact(PIXEL_BYTES).map(pixel).collect::<Option<_>>()?;
+    let whole = pixels.len() == width as usize * height as usize
+        && rest.len() == pixels.len() * PIXEL_BYTES;
+    let shard = Shard { index, count };
+    whole.then_some(Film { width, height, samples, rejected, seed, shard, label, pixels })
+}
+
+fn pixel(bytes: &[u8]) -> Option<PixelSum> {
+    let (sums, covered) = bytes.split_at_checked(48)?;
+    let mut radiance = [0; 3];
+    for (sum, bytes) in radiance.iter_mut().zip(sums.chunks_exact(16)) {
+        *sum = u128::from_le_bytes(bytes.try_into().ok()?);
+    }
+    Some(PixelSum { radiance, covered: u32::from_le_bytes(covered.try_into().ok()?) })
+}
+
+/// FNV-1a over words of eight bytes: against accidents, not against malice.
+fn hash(bytes: &[u8]) -> u64 {
+    bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325, |hash, chunk| {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        (hash ^ u64::from_le_bytes(word)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
