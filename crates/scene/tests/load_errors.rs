@@ -22,7 +22,7 @@ impl Folder {
     fn new() -> Self {
         let folder = Self(tempfile::tempdir().expect("a temporary folder"));
         folder.write("shape.ply", TRIANGLE);
-        folder.write("scene.json", &scene("shape.ply", ""));
+        folder.write("scene.json", scene("shape.ply", ""));
         folder
     }
 

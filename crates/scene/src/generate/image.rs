@@ -82,7 +82,7 @@ fn rgb_from_hsv(hue: f32, saturation: f32, value: f32) -> Vec3 {
     Vec3::new(channel(0.0), channel(2.0), channel(4.0))
 }
 
-/// A normal map of round bumps in rows and columns.
+/// Round bumps in rows and columns, as a normal map or as their heights for displacement.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Bumps {
@@ -92,6 +92,9 @@ pub(crate) struct Bumps {
     bumps: u32,
     /// Of each bump, over its width.
     height: f32,
+    /// Grey heights, white on top, in the place of normals.
+    #[serde(default)]
+    displacement: bool,
 }
 
 impl Bumps {
@@ -107,6 +110,11 @@ impl Bumps {
                 let (x, y) = (place(x), -place(y));
                 // The bump is `height (1 - 4 r²)²`, flat at its rim.
                 let flank = (1.0 - 4.0 * (x * x + y * y)).max(0.0);
+                if self.displacement {
+                    let grey = (flank * flank * 255.0).round() as u8;
+                    pixels.push([grey, grey, grey, 255]);
+                    continue;
+                }
                 let slope = -16.0 * height * flank;
                 let normal = Vec3::new(-slope * x, -slope * y, 1.0).normalize();
                 let [r, g, b] = normal.to_array().map(|c| ((0.5 * c + 0.5) * 255.0).round() as u8);

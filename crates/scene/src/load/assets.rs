@@ -4,12 +4,16 @@ use super::{
     LoadOptions,
     error::NamedBy,
     file,
-    format::SceneFile,
+    format::{SceneFile, ShapeFile, SubdivFile, TextureFile},
     image,
     mesh::{self, Mesh},
-    ply,
+    obj, ply, resolve,
+    subdivide::{self, Subdivision},
 };
-use crate::{LoadError, Shape, Texture, generate::Unfit};
+use crate::{
+    LoadError, Shape, Texture,
+    generate::{Geometry, Unfit},
+};
 use rayon::prelude::*;
 use std::{io::BufReader, path::Path};
 
@@ -59,7 +63,7 @@ pub(super) fn textures(
     options: &LoadOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Texture>, LoadError> {
-    let load = |(i, (key, texture)): (usize, &(Option<String>, super::format::TextureFile))| {
+    let load = |(i, (key, texture)): (usize, &(Option<String>, TextureFile))| {
         let source = Source {
             scene,
             field: format!("textures[{i}]"),
@@ -85,29 +89,41 @@ pub(super) fn textures(
     Ok(textures)
 }
 
-/// All shapes, in order.
+/// All shapes, in order; `textures` are for displacement.
 pub(super) fn shapes(
     scene: &Path,
     file: &SceneFile,
     options: &LoadOptions,
+    textures: &[Texture],
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Shape>, LoadError> {
-    let load = |(i, (key, shape)): (usize, &(Option<String>, super::format::ShapeFile))| {
-        let source = Source {
-            scene,
-            field: format!("shapes[{i}]"),
-            uri: shape.uri.as_ref(),
-            generator: shape.generator.as_ref(),
-            allow_outside: options.allow_outside_folder,
+    let subdivs = resolve::subdivs(scene, file)?;
+    let load = |(i, (key, shape)): (usize, &(Option<String>, ShapeFile))| {
+        // A subdivision takes the place of its shape, whose own file nobody needs.
+        let mut numbered = subdivs.iter().enumerate();
+        let subdiv = numbered.rfind(|(_, subdiv)| subdiv.shape as usize == i);
+        let (mut loaded, warnings) = match subdiv {
+            Some((k, references)) => {
+                let described: &SubdivFile = &file.subdivs.items[k].1;
+                let source = Source {
+                    scene,
+                    field: format!("subdivs[{k}]"),
+                    uri: described.uri.as_ref(),
+                    generator: described.generator.as_ref(),
+                    allow_outside: options.allow_outside_folder,
+                };
+                let (control, warnings) = read_shape(&source)?;
+                let texture = references.displacement_tex.map(|index| &textures[index as usize]);
+                (subdivided(&source, &control, described, texture)?, warnings)
+            }
+            None => read_shape(&Source {
+                scene,
+                field: format!("shapes[{i}]"),
+                uri: shape.uri.as_ref(),
+                generator: shape.generator.as_ref(),
+                allow_outside: options.allow_outside_folder,
+            })?,
         };
-        let (mut loaded, warnings) = source.get(
-            |path, named_by| {
-                let mut warnings = Vec::new();
-                let mesh = read_mesh(path, named_by)?;
-                Ok((mesh.into_shape(path, mesh::DEFAULT_RADIUS, &mut warnings)?, warnings))
-            },
-            |generator| Ok((generator.build()?, Vec::new())),
-        )?;
         loaded.name = key.clone().unwrap_or_else(|| shape.name.clone());
         if let Some(method) = shape.method.or(file.method) {
             loaded.method = method.into();
@@ -124,17 +140,64 @@ pub(super) fn shapes(
     Ok(shapes)
 }
 
+fn read_shape(source: &Source<'_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {
+    source.get(
+        |path, named_by| {
+            let mut warnings = Vec::new();
+            let mesh = read_mesh(path, named_by)?;
+            Ok((mesh.into_shape(path, mesh::DEFAULT_RADIUS, &mut warnings)?, warnings))
+        },
+        |generator| Ok((generator.build()?, Vec::new())),
+    )
+}
+
+fn subdivided(
+    source: &Source<'_, Geometry>,
+    control: &Shape,
+    described: &SubdivFile,
+    displacement_tex: Option<&Texture>,
+) -> Result<Shape, LoadError> {
+    let unfit = |field: &str, value: String, expected| LoadError::Value {
+        path: source.scene.to_owned(),
+        field: format!("{}.{field}", source.field),
+        value,
+        expected,
+    };
+    match subdivide::quads_after(control, described.subdivisions) {
+        None => return Err(unfit("uri", "without faces".to_owned(), "a mesh")),
+        Some(quads) if quads > subdivide::MOST_QUADS => {
+            let value = described.subdivisions.to_string();
+            return Err(unfit("subdivisions", value, "few enough for 33554432 quads in the end"));
+        }
+        Some(_) => {}
+    }
+    let displacement = described.displacement;
+    if !displacement.is_finite() {
+        return Err(unfit("displacement", displacement.to_string(), "a finite number"));
+    }
+    Ok(subdivide::subdivide(
+        control,
+        &Subdivision {
+            levels: described.subdivisions,
+            catmull_clark: described.catmullclark,
+            smooth: described.smooth,
+            displacement: displacement_tex.map(|texture| (displacement, texture)),
+        },
+    ))
+}
+
 pub(super) fn read_mesh(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
     match file::extension(path).as_str() {
         "ply" => {
             let (file, length) = file::open(path, named_by)?;
             ply::read(path, BufReader::with_capacity(1 << 16, file), length)
         }
+        "obj" => obj::load(path, named_by),
         other => Err(LoadError::Unsupported {
             path: path.to_owned(),
             named_by: named_by.clone(),
             extension: other.to_owned(),
-            supported: "ply",
+            supported: "ply and obj",
         }),
     }
 }

@@ -16,6 +16,7 @@ pub(super) struct SceneFile {
     pub textures: Collection<TextureFile>,
     pub materials: Collection<MaterialFile>,
     pub shapes: Collection<ShapeFile>,
+    pub subdivs: Collection<SubdivFile>,
     #[serde(alias = "objects")]
     pub instances: Collection<InstanceFile>,
 }
@@ -156,6 +157,38 @@ pub(super) struct ShapeFile {
     pub uri: Option<String>,
     pub generator: Option<generate::Geometry>,
     pub method: Option<MethodFile>,
+}
+
+/// A control mesh, whose subdivision takes the place of a shape.
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct SubdivFile {
+    #[serde(rename = "name")]
+    _name: serde_json::Value,
+    pub shape: Option<Reference>,
+    pub uri: Option<String>,
+    pub generator: Option<generate::Geometry>,
+    pub subdivisions: u32,
+    pub catmullclark: bool,
+    pub smooth: bool,
+    pub displacement: f32,
+    pub displacement_tex: Option<Reference>,
+}
+
+impl Default for SubdivFile {
+    fn default() -> Self {
+        Self {
+            _name: serde_json::Value::Null,
+            shape: None,
+            uri: None,
+            generator: None,
+            subdivisions: 0,
+            catmullclark: true,
+            smooth: true,
+            displacement: 0.0,
+            displacement_tex: None,
+        }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]

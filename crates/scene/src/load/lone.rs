@@ -32,8 +32,21 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadErr
     if options.radius.is_some() {
         shape.radii.fill(radius);
     }
-    Ok(Loaded { scene: around(shape), warnings })
+    let bounds = Aabb::from_points(shape.positions.iter().copied());
+    let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if largest > LARGEST {
+        return Err(LoadError::Value {
+            path: path.to_owned(),
+            field: "the largest coordinate".to_owned(),
+            value: largest.to_string(),
+            expected: "at most 1e15, to be framed by a camera",
+        });
+    }
+    Ok(Loaded { scene: around(shape, bounds), warnings })
 }
+
+/// Beyond this, distances across a scene overflow.
+const LARGEST: f32 = 1e15;
 
 /// Half the distance to the nearest neighbour that is usual: balls that just touch.
 ///
@@ -55,9 +68,8 @@ fn default_radius(positions: &[Vec3]) -> f32 {
     nearest.get(nearest.len() / 2).map_or(mesh::DEFAULT_RADIUS, |distance| 0.5 * distance)
 }
 
-fn around(shape: Shape) -> Scene {
-    let bounds = Aabb::from_points(shape.positions.iter().copied());
-    let thickest = shape.radii.iter().copied().fold(0.0, f32::max);
+fn around(shape: Shape, bounds: Aabb) -> Scene {
+    let thickest = shape.radii.iter().copied().fold(0.0, f32::max).min(LARGEST);
     let center = bounds.center();
     // A lone point has an extent as well; and no scene is so small that f32 gives out.
     let extent = (0.5 * (bounds.max - bounds.min)).length() + thickest;

@@ -10,8 +10,10 @@ mod image;
 mod implicit;
 mod lone;
 mod mesh;
+mod obj;
 mod ply;
 mod resolve;
+mod subdivide;
 
 pub use error::{LoadError, NamedBy};
 
@@ -41,8 +43,8 @@ pub struct Loaded {
     pub warnings: Vec<String>,
 }
 
-/// Loads a scene of yocto-gl, version 4, with the files that it names: PLY for shapes; PNG, JPEG, HDR
-/// and EXR for textures. A PLY file by itself becomes a scene with a camera, a floor and a sky around it.
+/// Loads a scene of yocto-gl, version 4, with the files that it names: PLY and OBJ for shapes and
+/// control meshes; PNG, JPEG, HDR and EXR for textures. A shape by itself becomes a scene with a camera, a floor and a sky around it.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// whatever they claim to hold.
@@ -62,7 +64,7 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
     check::check(path, &file)?;
     let mut scene = resolve::resolve(path, &file, &mut warnings)?;
     scene.textures = assets::textures(path, &file, options, &mut warnings)?;
-    scene.shapes = assets::shapes(path, &file, options, &mut warnings)?;
+    scene.shapes = assets::shapes(path, &file, options, &scene.textures, &mut warnings)?;
     Ok(Loaded { scene, warnings })
 }
 

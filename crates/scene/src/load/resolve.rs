@@ -2,7 +2,7 @@
 
 use super::{
     collection::{Collection, Reference},
-    format::{MaterialFile, MaterialType, SceneFile},
+    format::{MaterialFile, MaterialType, SceneFile, SubdivFile},
 };
 use crate::{Camera, Environment, Instance, LoadError, Material, MaterialKind, Scene};
 use std::{collections::HashMap, path::Path};
@@ -102,6 +102,30 @@ fn kind(
             MaterialKind::Glossy
         }
     }
+}
+
+/// What a subdivision refers to.
+#[derive(Clone, Copy)]
+pub(super) struct SubdivReferences {
+    /// The shape whose place it takes.
+    pub shape: u32,
+    pub displacement_tex: Option<u32>,
+}
+
+/// One for each subdivision, in order.
+pub(super) fn subdivs(path: &Path, file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadError> {
+    let textures = Names::new(path, "textures", &file.textures, |texture| &texture.name);
+    let shapes = Names::new(path, "shapes", &file.shapes, |shape| &shape.name);
+    let resolve = |(i, (_, subdiv)): (usize, &(Option<String>, SubdivFile))| {
+        Ok(SubdivReferences {
+            shape: shapes.required(&|| format!("subdivs[{i}].shape"), subdiv.shape.as_ref())?,
+            displacement_tex: textures.optional(
+                &|| format!("subdivs[{i}].displacement_tex"),
+                subdiv.displacement_tex.as_ref(),
+            )?,
+        })
+    };
+    file.subdivs.items.iter().enumerate().map(resolve).collect()
 }
 
 /// The items of one array, for references into it.

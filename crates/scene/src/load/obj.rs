@@ -1,0 +1,128 @@
+//! Shapes in OBJ files: `v`, `vt`, `vn`, and the elements `f`, `l` and `p`. Everything else is passed over.
+//!
+//! An own reader, for the libraries at hand make triangles of polylines or leave out points.
+
+use super::{error::NamedBy, file, mesh::Mesh};
+use crate::LoadError;
+use glam::{Vec2, Vec3};
+use std::{collections::HashMap, path::Path};
+
+/// Reads all objects of a file into one mesh.
+pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
+    let bytes = file::read(path, named_by)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut reader = Reader::default();
+    for (number, line) in text.lines().enumerate() {
+        reader.line(line).map_err(|problem| LoadError::ObjLine {
+            path: path.to_owned(),
+            line: number + 1,
+            problem,
+        })?;
+    }
+    Ok(reader.finish())
+}
+
+/// Indices of a position, a texture coordinate and a normal.
+type Corner = (u32, Option<u32>, Option<u32>);
+
+#[derive(Default)]
+struct Reader {
+    positions: Vec<Vec3>,
+    texcoords: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    mesh: Mesh,
+    /// Corners that are vertices of the mesh already.
+    vertices: HashMap<Corner, u32>,
+    corners: Vec<Corner>,
+}
+
+impl Reader {
+    fn line(&mut self, line: &str) -> Result<(), String> {
+        let mut words = line.split_ascii_whitespace();
+        let keyword = words.next().unwrap_or_default();
+        match keyword {
+            "v" => self.positions.push(Vec3::from(numbers(words)?)),
+            "vn" => self.normals.push(Vec3::from(numbers(words)?)),
+            "vt" => {
+                let [u, v] = numbers(words)?;
+                self.texcoords.push(Vec2::new(u, 1.0 - v));
+            }
+            "f" | "l" | "p" => {
+                let vertices =
+                    words.map(|word| self.vertex(word)).collect::<Result<Vec<u32>, String>>()?;
+                match keyword {
+                    "f" => self.mesh.faces.push_polygon(&vertices),
+                    "l" => {
+                        self.mesh.lines.extend(vertices.windows(2).map(|pair| [pair[0], pair[1]]));
+                    }
+                    _ => self.mesh.points.extend(vertices),
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// A vertex of the mesh for a word like `1`, `1/2`, `1//3` or `1/2/3`.
+    fn vertex(&mut self, word: &str) -> Result<u32, String> {
+        let mut parts = word.split('/');
+        let mut index = |count: usize, what: &str| match parts.next() {
+            None | Some("") => Ok(None),
+            // From 1 up, or from -1 down for the last ones so far.
+            Some(part) => part
+                .parse::<i64>()
+                .ok()
+                .and_then(|i| if i < 0 { (count as i64).checked_add(i) } else { i.checked_sub(1) })
+                .filter(|i| (0..count as i64).contains(i))
+                .and_then(|i| u32::try_from(i).ok())
+                .map(Some)
+                .ok_or_else(|| {
+                    format!("{word:?} names {what} {part}, but there are {count} so far")
+                }),
+        };
+        let position = index(self.positions.len(), "vertex")?
+            .ok_or_else(|| format!("{word:?} names no vertex"))?;
+        let texcoord = index(self.texcoords.len(), "texture coordinate")?;
+        let normal = index(self.normals.len(), "normal")?;
+        let corner = (position, texcoord, normal);
+        let next = self.corners.len() as u32;
+        let vertex = *self.vertices.entry(corner).or_insert(next);
+        if vertex == next {
+            self.corners.push(corner);
+        }
+        Ok(vertex)
+    }
+
+    fn finish(self) -> Mesh {
+        let mut mesh = self.mesh;
+        // Vertices that no element names are a cloud, if there are no elements at all.
+        if self.corners.is_empty() {
+            mesh.positions = self.positions;
+            return mesh;
+        }
+        for &(position, _, _) in &self.corners {
+            mesh.positions.push(self.positions[position as usize]);
+        }
+        if self.corners.iter().all(|corner| corner.1.is_some()) {
+            let texcoords = self.corners.iter().filter_map(|corner| corner.1);
+            mesh.texcoords = texcoords.map(|i| self.texcoords[i as usize]).collect();
+        }
+        if self.corners.iter().all(|corner| corner.2.is_some()) {
+            let normals = self.corners.iter().filter_map(|corner| corner.2);
+            mesh.normals = normals.map(|i| self.normals[i as usize]).collect();
+        }
+        mesh
+    }
+}
+
+/// The first numbers of a line.
+fn numbers<'a, const N: usize>(
+    mut words: impl Iterator<Item = &'a str>,
+) -> Result<[f32; N], String> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        let word = words.next().ok_or_else(|| format!("expected {N} numbers"))?;
+        *number = word.parse().map_err(|_| format!("{word:?} is not a number"))?;
+    }
+    Ok(numbers)
+}

@@ -1,0 +1,120 @@
+//! Malformed files, made by spoiling good ones in ways that do not depend on chance: nothing may panic,
+//! hang, or load with an index out of range.
+
+mod support;
+
+use rotund_geometry::Ray;
+use rotund_scene::{Elements, LoadOptions, Trees, load};
+use std::fs;
+use support::Random;
+
+const ASCII: &[u8] = b"ply\nformat ascii 1.0\ncomment good\nelement vertex 4\nproperty float x\n\
+    property float y\nproperty float z\nproperty float radius\nelement face 2\n\
+    property list uchar int vertex_indices\nend_header\n\
+    0 0 0 1\n1 0 0 1\n1 1 0 1\n0 1 0 1\n3 0 1 2\n4 0 1 2 3\n";
+
+fn binary() -> Vec<u8> {
+    let mut bytes = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n\
+        property float y\nproperty float z\nproperty float radius\nelement line 1\n\
+        property list uchar int vertex_indices\nend_header\n"
+        .to_vec();
+    for i in 0..12 {
+        bytes.extend((i as f32 * 0.1).to_le_bytes());
+    }
+    bytes.push(3);
+    for i in 0..3_i32 {
+        bytes.extend(i.to_le_bytes());
+    }
+    bytes
+}
+
+const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2//1 -1\nl 1 2 3\n";
+
+const SCENE: &[u8] = br#"{ "asset": { "version": "4.2" }, "cameras": [{ "lookat": [0,1,2, 0,0,0, 0,1,0] }],
+    "textures": [{ "generator": { "uv_grid": { "size": 4 } } }],
+    "materials": [{ "type": "glossy", "color": [1, 0.5, 0], "color_tex": 0, "normal_tex": 0 }],
+    "shapes": [{ "name": "s", "method": "vanilla", "generator": { "lines_grid": { "steps": 2, "lines": 2,
+        "size": [1, 1], "radius": [0.1, 0.2] } } }],
+    "instances": [{ "shape": 0, "material": 0, "frame": [1,0,0, 0,1,0, 0,0,1, 0,0,0] }] }"#;
+
+/// Cut, overwritten, doubled and joined.
+fn spoiled(good: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = good.to_vec();
+    for _ in 0..1 + (random.unit() * 4.0) as usize {
+        let at = (random.unit() * bytes.len() as f32) as usize;
+        let until = (at + 1 + (random.unit() * 12.0) as usize).min(bytes.len());
+        match (random.unit() * 6.0) as u32 {
+            0 => bytes.truncate(at),
+            1 => bytes[at..until].iter_mut().for_each(|b| *b = (random.unit() * 256.0) as u8),
+            2 => {
+                let piece = bytes[at..until].to_vec();
+                bytes.splice(at..at, piece);
+            }
+            3 => drop(bytes.drain(at..until)),
+            // Digits make counts, indices and signs.
+            4 => bytes[at] = b"0123456789-.e"[(random.unit() * 13.0) as usize],
+            _ => bytes.splice(at..at, *b"999999999").for_each(drop),
+        }
+        if bytes.is_empty() {
+            break;
+        }
+    }
+    bytes
+}
+
+#[test]
+fn spoiled_files_are_refused_or_load_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let binary = binary();
+    let (mut refused, mut loaded) = (0, 0);
+    for (name, good) in
+        [("a.ply", ASCII), ("b.ply", &binary[..]), ("c.obj", OBJ), ("d.json", SCENE)]
+    {
+        let path = folder.path().join(name);
+        let scene = if name == "d.json" { path.clone() } else { folder.path().join("scene.json") };
+        let around = format!(
+            r#"{{ "materials": [{{ "color": [1, 1, 1] }}], "shapes": [{{ "uri": "{name}" }}],
+            "instances": [{{ "shape": 0, "material": 0 }}] }}"#
+        );
+        fs::write(folder.path().join("scene.json"), around).expect("writes the scene");
+        let mut random = Random(41);
+        for case in 0..1000 {
+            let bytes = spoiled(good, &mut random);
+            fs::write(&path, &bytes).expect("writes the file");
+            let Ok(result) = load(&scene, &LoadOptions::default()) else {
+                refused += 1;
+                continue;
+            };
+            loaded += 1;
+            let scene = result.scene;
+            for shape in &scene.shapes {
+                let count = shape.positions.len();
+                let in_range = match &shape.elements {
+                    Elements::Points(points) => *points as usize <= count,
+                    Elements::Lines(e) => e.as_flattened().iter().all(|&v| (v as usize) < count),
+                    Elements::Triangles(e) => {
+                        e.as_flattened().iter().all(|&v| (v as usize) < count)
+                    }
+                    Elements::Quads(e) => e.as_flattened().iter().all(|&v| (v as usize) < count),
+                };
+                assert!(in_range, "{name} {case}");
+                for length in [shape.normals.len(), shape.texcoords.len(), shape.colors.len()] {
+                    assert!(length == 0 || length == count, "{name} {case}");
+                }
+            }
+            // What loads can be met by rays and evaluated.
+            let trees = Trees::build(&scene);
+            for _ in 0..4 {
+                let origin = 3.0 * random.vector();
+                let ray = Ray::new(origin, random.vector() - origin);
+                if let Some(hit) = trees.closest(&scene, &ray) {
+                    let normal = scene.eval_shading_normal(&hit, -ray.direction);
+                    assert!(normal.is_finite(), "{name} {case}: {normal} at {hit:?}");
+                    let point = scene.eval_material(hit.instance, hit.element, hit.uv);
+                    assert!(point.color.is_finite(), "{name} {case}: {point:?}");
+                }
+            }
+        }
+    }
+    assert!(refused > 1000 && loaded > 200, "{refused} refused, {loaded} loaded");
+}
