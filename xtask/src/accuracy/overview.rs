@@ -5,7 +5,7 @@ use anyhow::Result;
 use super::{
     study::{ShapeResult, Study, Summary},
     targets::{Verdict, short},
-    timing::LOOP,
+    timing::{LOOP, unsteady},
 };
 use crate::console::{Table, say};
 
@@ -25,6 +25,11 @@ pub(crate) fn print(study: &Study, verdicts: &[Verdict]) -> Result<()> {
          ns include the loop \
          around the test;\nfresh: rays the processor has not seen before, the others come again and again.",
     )?;
+    if study.shapes.iter().any(|shape| unsteady(&shape.timings)) {
+        say(
+            "\nThe times are unsteady (+- is large): something else was running. Do not compare them.",
+        )?;
+    }
     say(format!("\n{}", targets(verdicts)))
 }
 

@@ -54,6 +54,15 @@ pub(crate) struct Timing {
     pub(crate) rebuild: Option<Nanoseconds>,
 }
 
+/// A spread of more than this share of the median says that something else was running.
+const STEADY: f64 = 0.15;
+
+/// Whether the machine was too busy for the times to be compared.
+pub(crate) fn unsteady(timings: &[Timing]) -> bool {
+    let unsteady = |ns: &Nanoseconds| ns.spread > STEADY * ns.median;
+    timings.iter().any(|timing| unsteady(&timing.mixed) || unsteady(&timing.fresh))
+}
+
 /// The name of the loop that calls nothing.
 pub(crate) const LOOP: &str = "the loop alone";
 
@@ -175,6 +184,21 @@ mod tests {
         half_of_the_timed_rays_hit::<Sphere>();
         half_of_the_timed_rays_hit::<RoundedCone>();
         half_of_the_timed_rays_hit::<BilinearPatch>();
+    }
+
+    #[test]
+    fn times_that_spread_are_unsteady() {
+        let timing = |spread| Timing {
+            shape: "sphere",
+            method: "planted",
+            mixed: Nanoseconds { median: 10.0, spread },
+            fresh: Nanoseconds { median: 20.0, spread: 1.0 },
+            hits: Nanoseconds::default(),
+            misses: Nanoseconds::default(),
+            rebuild: None,
+        };
+        assert!(!unsteady(&[timing(0.5), timing(1.0)]));
+        assert!(unsteady(&[timing(0.5), timing(4.0)]));
     }
 
     #[test]

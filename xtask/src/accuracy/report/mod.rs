@@ -14,6 +14,7 @@ use self::chart::escape;
 use super::{
     study::{Options, Study},
     targets::{Verdict, short},
+    timing::unsteady,
     truth::Exact,
 };
 
@@ -38,6 +39,11 @@ pub(super) fn page(study: &Study, verdicts: &[Verdict], options: &Options) -> Re
         target_processor(),
         verdicts.len(),
     );
+    if study.shapes.iter().any(|shape| unsteady(&shape.timings)) {
+        body.push_str(
+            "<p class=\"bad\">The times of this run are unsteady: something else was running. Do not compare them.</p>",
+        );
+    }
     targets(&mut body, verdicts);
     for result in &study.shapes {
         let _ = write!(body, "<h2 id=\"{}\">{}</h2>", result.shape, heading(result.shape));
