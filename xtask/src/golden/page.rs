@@ -32,7 +32,7 @@ h2 { margin-bottom: .25rem; }
 li { overflow-wrap: anywhere; }
 .pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
 figure { margin: 0; }
-img { display: block; width: 100%; image-rendering: pixelated; }
+img { display: block; width: 100%; height: auto; image-rendering: pixelated; }
 figcaption { font-size: .9rem; }
 @media print { section { break-inside: avoid; } }
 </style>
