@@ -290,3 +290,33 @@ fn the_number_of_threads_changes_nothing() {
     });
     assert!(trees[0] == trees[1] && trees[1] == trees[2], "the trees differ");
 }
+
+#[test]
+fn a_tree_that_is_refitted_agrees_with_a_loop() {
+    let mut random = Random(13);
+    let mut balls = spheres(&mut random, 20_000, 0.02);
+    let mut tree = SphereTree::build(&balls);
+    for ball in &mut balls {
+        ball.center = 0.5 * ball.center + 0.3 * random.point();
+    }
+    tree.refit(&balls);
+    assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());
+    for ray in rays(&mut random, 200) {
+        let expected = loop_over(balls.len(), |id| balls[id].closest(&ray));
+        assert_eq!((tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced)), expected);
+    }
+}
+
+#[test]
+fn statistics_and_visits_add_up() {
+    let mut random = Random(14);
+    let balls = spheres(&mut random, 10_000, 0.02);
+    let tree = SphereTree::build(&balls);
+    let statistics = tree.statistics();
+    assert_eq!(statistics.primitives, balls.len());
+    assert_eq!(statistics.children, statistics.nodes - 1 + statistics.leaves);
+    assert!(statistics.bytes < 56 * balls.len(), "{statistics:?}");
+    let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Form::Enhanced);
+    assert!(through_the_middle.nodes > 0 && through_the_middle.primitives > 0);
+    assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Form::Enhanced).primitives, 0);
+}

@@ -9,6 +9,7 @@ mod cone;
 mod flat;
 mod kernel;
 mod patch;
+mod refit;
 mod report;
 mod sphere;
 mod triangle;
