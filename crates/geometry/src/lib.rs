@@ -1,4 +1,73 @@
 //! Exact ray intersection of round primitives, beside their usual approximations.
+//!
+//! | shape | is | parameters `uv` |
+//! | --- | --- | --- |
+//! | [`Sphere`] | the points at a distance from a centre | longitude from x towards z, polar angle from y |
+//! | [`RoundedCone`] | the convex hull of two balls | along the profile, around the axis |
+//! | [`BilinearPatch`] | the surface between four corners | the two weights |
+//! | [`Triangle`] | the flat surface between three | the weights of the second and the third |
+//! | [`vanilla`] | discs, ribbons and pairs of triangles in their place | as in yocto-gl |
+//!
+//! ```text
+//!  RoundedCone              u = 0: pole of the cap about p0          u = 1: pole of the cap about p1
+//!                                     .--"""--..____
+//!    u grows along the profile,     /       |       """--._
+//!    at constant speed             u=0  p0  +---- axis ---+ p1  u=1      v turns about the axis
+//!                                   \       |   ____...--'
+//!                                     `--...--""
+//! ```
+//!
+//! # Conventions
+//!
+//! - A direction has any length; `t` counts in it. The interval `t_min..=t_max` is closed, and the rounded
+//!   `t`, the one that is reported, decides whether it holds a crossing. A hit at an end of it counts.
+//! - A query finds the first crossing in the interval. One before `t_min` never hides a later one, and a
+//!   ray that starts inside a solid finds where it leaves. It enters (or comes from the front) if
+//!   `normal.dot(direction)` is negative, and leaves otherwise; the next crossing is found from `t_min`
+//!   just after this one.
+//! - A NaN or an infinity in a ray or a shape, a zero direction, a radius that is negative, and a shape
+//!   without extent miss. Nothing panics. A crossing whose `t` is no finite `f32` does not count.
+//! - A patch, a triangle and a quad have the normal about which their parameters turn counter-clockwise.
+//!
+//! # Accuracy
+//!
+//! Input is taken as exact. The solvers work in `f64`, in forms whose terms do not grow with the distance
+//! of the ray, and start again with 106 bits where an `f64` leaves too few: at grazing incidence, and for
+//! rays that start on the surface. Each number of a [`Hit`] is rounded once. With `u = 2⁻²⁴`:
+//!
+//! | | measured bound |
+//! | --- | --- |
+//! | `t` | `1.0 u t`, the rounded true root, also at grazing incidence and next to the surface |
+//! | `position` | `1.0 u max(abs(p), size)` from the surface, and within [`Hit::error`] |
+//! | `normal` | `1e-5` degrees; a patch `2e-5`, and worse only next to a collapsed edge |
+//! | `position(uv(hit))` | `1.0 u` from the surface; up to `8 u` along it, for `uv` are `f32` |
+//! | a ray from [`leave_surface`] | never meets a sphere or a cone again from outside |
+//! | a ray at a shared edge or corner of patches | one hit, whatever the order of their corners |
+//!
+//! `tests/` holds all of this against 106-bit arithmetic; `cargo xtask accuracy` prints it beside the
+//! published methods. An origin may be 2²⁶ sizes away, and a cone 10⁶ radii long, before these bounds grow.
+//!
+//! # Example
+//!
+//! ```
+//! use rotund_geometry::glam::Vec3;
+//! use rotund_geometry::{Ray, RoundedCone, leave_surface};
+//!
+//! let cone = RoundedCone { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::new(0.0, 0.0, 3.0), r1: 0.5 };
+//! let ray = Ray::new(Vec3::new(0.0, 0.0, -5.0), Vec3::Z);
+//! let hit = cone.closest(&ray).expect("the ray runs along the axis");
+//! assert_eq!(hit.t, 4.0);
+//! assert_eq!(hit.position, Vec3::new(0.0, 0.0, -1.0));
+//!
+//! // On through the solid, to the other pole.
+//! let origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
+//! let inside = Ray::new(origin, ray.direction);
+//! assert_eq!(cone.closest(&inside).map(|exit| exit.position.z), Some(3.5));
+//!
+//! // Reflected, it never meets the cone again.
+//! let origin = leave_surface(hit.position, hit.error, hit.normal, -ray.direction);
+//! assert!(!cone.any(&Ray::new(origin, -ray.direction)));
+//! ```
 
 mod aabb;
 mod basis;

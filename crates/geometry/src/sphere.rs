@@ -24,6 +24,25 @@ use crate::float::{CANCELLATION, accept, round, rounding_error};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// The points at distance `radius` from `center`.
+///
+/// # Accuracy
+///
+/// `t` is the rounded root; the position is within `1.0 u max(|p|, radius)` of the surface, `u = 2⁻²⁴`, and
+/// the normal within `1e-5` degrees, at every distance up to 2²⁵ radii (beyond that at more cost).
+///
+/// # Degenerate inputs
+///
+/// A radius that is zero, negative or NaN has no surface. A ray that touches the sphere hits it once.
+///
+/// ```
+/// use rotund_geometry::glam::{Vec2, Vec3};
+/// use rotund_geometry::{Ray, Sphere};
+///
+/// let ball = Sphere { center: Vec3::ZERO, radius: 1.0 };
+/// let hit = ball.closest(&Ray::new(Vec3::new(-5.0, 0.0, 0.0), 2.0 * Vec3::X)).expect("a hit");
+/// assert_eq!((hit.t, hit.normal), (2.0, Vec3::NEG_X));
+/// assert_eq!(ball.uv(&hit), Vec2::new(0.5, 0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// The centre.

@@ -1,0 +1,101 @@
+//! One primitive, one ray: what do the exact shapes cost beside their approximations?
+//!
+//! Hits and misses are timed apart, over 1024 rays that the branch predictor comes to know.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use rotund_geometry::glam::Vec3;
+use rotund_geometry::vanilla::{Line, Point, Quad};
+use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere};
+
+const RAYS: usize = 1024;
+
+/// xorshift: numbers in -1..1, the same in each run.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        ((self.0 >> 40) as f32) / (1_u32 << 23) as f32 - 1.0
+    }
+
+    fn point(&mut self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+}
+
+/// Rays at the unit cube that hit, or miss, by the given test.
+fn rays(wanted: bool, hits: impl Fn(&Ray) -> bool) -> Vec<Ray> {
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut rays = Vec::new();
+    while rays.len() < RAYS {
+        let origin = random.point().normalize_or(Vec3::X) * 10.0;
+        let ray = Ray::new(origin, random.point() - origin);
+        if hits(&ray) == wanted {
+            rays.push(ray);
+        }
+    }
+    rays
+}
+
+fn time<S: Copy>(
+    group: &mut BenchmarkGroup<'_, criterion::measurement::WallTime>,
+    name: &str,
+    shape: S,
+    closest: impl Fn(&S, &Ray) -> Option<Hit>,
+    any: impl Fn(&S, &Ray) -> bool,
+) {
+    for (wanted, kind) in [(true, "hits"), (false, "misses")] {
+        let rays = rays(wanted, |ray| any(&shape, ray));
+        assert!(
+            rays.iter().all(|ray| closest(&shape, ray).is_some() == wanted),
+            "both queries agree on every ray"
+        );
+        group.throughput(Throughput::Elements(RAYS as u64));
+        group.bench_function(format!("{name}/closest/{kind}"), |bencher| {
+            bencher.iter(|| {
+                for ray in &rays {
+                    black_box(closest(black_box(&shape), ray));
+                }
+            });
+        });
+        group.bench_function(format!("{name}/any/{kind}"), |bencher| {
+            bencher.iter(|| rays.iter().filter(|ray| any(black_box(&shape), ray)).count());
+        });
+    }
+}
+
+macro_rules! side_by_side {
+    ($group:expr, $($name:literal => $type:ident $shape:expr),+) => {
+        $(time(&mut $group, $name, $shape, $type::closest, $type::any);)+
+    };
+}
+
+fn intersect(criterion: &mut Criterion) {
+    let (p0, p1) = (Vec3::new(-0.5, -0.4, -0.3), Vec3::new(0.5, 0.4, 0.3));
+    let mut group = criterion.benchmark_group("points");
+    side_by_side!(group,
+        "vanilla" => Point Point { center: Vec3::ZERO, radius: 0.5 },
+        "enhanced" => Sphere Sphere { center: Vec3::ZERO, radius: 0.5 });
+    group.finish();
+
+    let mut group = criterion.benchmark_group("lines");
+    side_by_side!(group,
+        "vanilla" => Line Line { p0, r0: 0.3, p1, r1: 0.2 },
+        "enhanced" => RoundedCone RoundedCone { p0, r0: 0.3, p1, r1: 0.2 });
+    group.finish();
+
+    let corners = [[-0.5, -0.5, -0.2], [0.5, -0.5, 0.2], [0.5, 0.5, -0.2], [-0.5, 0.5, 0.2]];
+    let [p0, p1, p2, p3] = corners.map(Vec3::from);
+    let mut group = criterion.benchmark_group("quads");
+    side_by_side!(group,
+        "vanilla" => Quad Quad { p0, p1, p2, p3 },
+        "enhanced" => BilinearPatch BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 });
+    group.finish();
+}
+
+criterion_group!(benches, intersect);
+criterion_main!(benches);
