@@ -28,7 +28,9 @@ fn every_scene_has_the_cameras_and_lights_of_the_family() {
                 "{name} has the camera {camera}"
             );
         }
-        let lights = scene.materials.iter().filter(|m| m.emission == Vec3::splat(20.0)).count();
+        // Small lights through glass are all fireflies: those of that scene are larger and dimmer.
+        let radiance = Vec3::splat(if name == "glass" { 5.0 } else { 20.0 });
+        let lights = scene.materials.iter().filter(|m| m.emission == radiance).count();
         assert_eq!((lights, scene.environments.len()), (2, 1), "{name}");
     }
 }
