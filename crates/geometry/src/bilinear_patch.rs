@@ -34,9 +34,10 @@ use crate::{Aabb, Hit, Ray, widen};
 ///
 /// # Accuracy
 ///
-/// `t` is the rounded root; the position is within `1.0 u max(|p|, size)` of the surface, `u = 2⁻²⁴`, and
-/// the normal within `2e-5` degrees, except next to a collapsed edge. A ray at an edge or a corner that
-/// several patches share hits one of them, in whatever order each lists its corners.
+/// `t` is the rounded root, but for rays that graze to `1e-9` or start on the patch: they lose up to
+/// `1e3 u t`, `u = 2⁻²⁴`. The position is within `1.0 u max(|p|, size)` of the surface always, and the
+/// normal within `2e-5` degrees, except at such grazing rays and next to a collapsed edge. A ray at an edge
+/// or a corner that several patches share hits one of them, in whatever order each lists its corners.
 ///
 /// # Degenerate inputs
 ///

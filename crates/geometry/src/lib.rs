@@ -32,14 +32,15 @@
 //! # Accuracy
 //!
 //! Input is taken as exact. The solvers work in `f64`, in forms whose terms do not grow with the distance
-//! of the ray, and start again with 106 bits where an `f64` leaves too few: at grazing incidence, and for
-//! rays that start on the surface. Each number of a [`Hit`] is rounded once. With `u = 2⁻²⁴`:
+//! of the ray. Those of spheres and cones start again with 106 bits where an `f64` leaves too few: at
+//! grazing incidence, and for rays that start on the surface. Each number of a [`Hit`] is rounded once.
+//! With `u = 2⁻²⁴`:
 //!
 //! | | measured bound |
 //! | --- | --- |
-//! | `t` | `1.0 u t`, the rounded true root, also at grazing incidence and next to the surface |
+//! | `t` | `1.0 u t`, the rounded true root; a patch that a ray grazes to `1e-9` or starts on, up to `1e3 u t` |
 //! | `position` | `1.0 u max(abs(p), size)` from the surface, and within [`Hit::error`] |
-//! | `normal` | `1e-5` degrees; a patch `2e-5`, and worse only next to a collapsed edge |
+//! | `normal` | `1e-5` degrees; a patch `2e-5`, more where a ray grazes to `1e-9` (`5e-4`) or next to a collapsed edge |
 //! | `position(uv(hit))` | `1.0 u` from the surface; up to `8 u` along it, for `uv` are `f32` |
 //! | a ray from [`leave_surface`] | never meets a sphere or a cone again from outside |
 //! | a ray at a shared edge or corner of patches | one hit, whatever the order of their corners |
