@@ -20,15 +20,23 @@
 //! an edge counts depends on its two vertices alone. Hence: odd means exactly one root, clamped to the
 //! square; even means two or none.
 //!
+//! # Too few digits
+//!
+//! At a root the parabola has the slope `±√D`, `D = b² - 4 a c`, which is also the area that a unit of the
+//! square has in the image. With images of size `s`, an `f64` knows the parabola to some `2⁻⁵³ s²`, hence
+//! `u` to `2⁻⁵³ s² / √D`, hence `v` to `s / |P1 - P0|` times that, and a depth, of corners as deep as `h`, to
+//! `h` times that. If this is no small part of a unit of `t`, which happens at folds, along a ruling, and
+//! next to the origin of the ray, `careful_patch.rs` solves with 106 bits.
+//!
 //! Sources: S. D. Ramsey, K. Potter, C. Hansen, "Ray Bilinear Patch Intersections", journal of graphics
 //! tools 9(3), 2004, for the quadratic in the plane; A. Reshetov, "Cool Patches", Ray Tracing Gems,
 //! chapter 8, 2019, for the choice of `a, b, c` and for the stable roots.
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::float::{UNIT_ROUNDOFF, accept, round, rounding_error};
+use crate::float::{accept, round, rounding_error};
 use crate::ray_space::{Image, RaySpace, crosses, edge};
-use crate::{Aabb, Hit, Ray, widen};
+use crate::{Aabb, Hit, Ray, careful_patch, widen};
 
 /// The surface of all points `(1-u)(1-v) p00 + u(1-v) p10 + (1-u)v p01 + uv p11`, `u, v` in `0..=1`.
 ///
@@ -67,23 +75,40 @@ pub struct BilinearPatch {
     pub p11: Vec3,
 }
 
-struct Root {
-    t: f32,
-    u: f64,
-    v: f64,
+/// A crossing, of `T` as it is computed or as it is reported.
+pub(crate) struct Root<T = f64> {
+    pub(crate) t: T,
+    pub(crate) u: f64,
+    pub(crate) v: f64,
 }
 
-/// The corners as the ray sees them.
+/// The corners as the ray sees them, and a bound on the coordinates of these images.
 #[derive(Clone, Copy)]
 struct Corners {
     p00: Image,
     p10: Image,
     p01: Image,
     p11: Image,
+    size: f64,
 }
 
-/// Below this share of its terms, the discriminant leaves too few digits for two nearby roots.
-const NEARLY_DOUBLE: f64 = 1.0 / 4096.0;
+/// Where a ruling comes nearest to the ray: `v`, the depth there with `v` clamped to the patch, and the
+/// square of the length of its image.
+struct Ruling {
+    v: f64,
+    depth: f64,
+    square: f64,
+}
+
+/// The square of `2⁻²²`, the share of their terms at which `2⁻⁵³` of these are `2⁻³¹` of what is left: an
+/// `f32` has 24 bits, so the rounding of the `f64` arithmetic is some hundredth of its own.
+const TOO_FEW_DIGITS: f64 = 1.0 / 17_592_186_044_416.0;
+
+/// Roots nearer than this to an edge are in the square or not for 106 bits to tell.
+///
+/// With the digits that are not too few, an `f64` is wrong by `2⁻³¹`; a distance of a thousand sizes costs
+/// ten bits of that.
+const NEXT_TO_EDGE: f64 = 1.0 / 1_048_576.0;
 
 impl BilinearPatch {
     /// The first crossing of the surface with `t` in `t_min..=t_max`.
@@ -116,16 +141,14 @@ impl BilinearPatch {
     }
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Option<Root> {
+    fn solve(&self, ray: &Ray) -> Option<Root<f32>> {
         let space = RaySpace::new(ray);
         let (p00, p10) = space.project(self.p00, self.p10);
         let (p01, p11) = space.project(self.p01, self.p11);
+        let (x_min, x_max) = range(p00.x, p10.x, p01.x, p11.x);
+        let (y_min, y_max) = range(p00.y, p10.y, p01.y, p11.y);
         // The patch lies in the hull of its corners. A NaN may pass here; it fails below.
-        let outside = (low(low(p00.x, p10.x), low(p01.x, p11.x)) > 0.0)
-            | (low(low(p00.y, p10.y), low(p01.y, p11.y)) > 0.0)
-            | (high(high(p00.x, p10.x), high(p01.x, p11.x)) < 0.0)
-            | (high(high(p00.y, p10.y), high(p01.y, p11.y)) < 0.0);
-        if outside {
+        if (x_min > 0.0) | (y_min > 0.0) | (x_max < 0.0) | (y_max < 0.0) {
             return None;
         }
         let c = edge(p00, p01);
@@ -136,7 +159,8 @@ impl BilinearPatch {
             ^ crosses(p10, p11, at_one)
             ^ crosses(p00, p10, edge(p00, p10))
             ^ crosses(p01, p11, edge(p01, p11));
-        let corners = Corners { p00, p10, p01, p11 };
+        let size = (x_max - x_min) + (y_max - y_min);
+        let corners = Corners { p00, p10, p01, p11, size };
         // The common hit: one root in the square, and the line through P0(u) and P1(u) passes the ray
         // once on its way from one edge to the other. An infinite product is of infinite corners.
         let ends = c * at_one;
@@ -144,21 +168,71 @@ impl BilinearPatch {
             // Two roots in 0..=1 need a parabola that has both ends on one side, and comes back.
             let folded =
                 odd | ((ends > 0.0) & (c * a > 0.0) & (a * b < 0.0) & (b.abs() < 2.0 * a.abs()));
-            return if folded { corners.solve_folded(ray, &space, [c, b, a], odd) } else { None };
+            return if folded { self.solve_folded(ray, &space, &corners, odd) } else { None };
         }
         // Of the two roots, the one where the parabola passes in this direction. The discriminant is
         // at least 4 |a c| here, or b², but rounding does not know.
-        let root = (b * b - 4.0 * a * c).max(0.0).sqrt().copysign(at_one);
+        let discriminant = (b * b - 4.0 * a * c).max(0.0);
+        let root = discriminant.sqrt().copysign(at_one);
         let same = (b >= 0.0) == (at_one >= 0.0);
         let (over, under) = if same { (-2.0 * c, b + root) } else { (root - b, 2.0 * a) };
         let u = (over / under).clamp(0.0, 1.0);
-        let (mut v, mut depth) = corners.along_ruling(u);
-        let mut u = u;
-        if root * root < NEARLY_DOUBLE * (b * b) {
-            (u, v, depth) = corners.refine(u, v);
+        let ruling = corners.along_ruling(u);
+        if corners.too_few_digits(discriminant, &ruling) {
+            return self.solve_carefully(ray, &space, odd);
         }
-        let t = accept(ray, space.t(depth))?;
-        Some(Root { t, u, v: v.clamp(0.0, 1.0) })
+        let t = accept(ray, space.t(ruling.depth))?;
+        Some(Root { t, u, v: ruling.v.clamp(0.0, 1.0) })
+    }
+
+    /// Two roots in `u` that may count: the ray meets the patch twice, or once near a fold or a corner.
+    #[cold]
+    #[inline(never)]
+    fn solve_folded(
+        &self,
+        ray: &Ray,
+        space: &RaySpace,
+        corners: &Corners,
+        odd: bool,
+    ) -> Option<Root<f32>> {
+        let [c, b, a] = corners.parabola();
+        let discriminant = b * b - 4.0 * a * c;
+        let square = corners.size * corners.size;
+        if !odd && discriminant < -TOO_FEW_DIGITS * (square * square) {
+            return None;
+        }
+        let q = -0.5 * (b + discriminant.max(0.0).sqrt().copysign(b));
+        // A corner that is not finite makes a NaN of one of them, or an infinity.
+        if !(a.is_finite() && q.is_finite()) {
+            return None;
+        }
+        let roots = [q / a, if q == 0.0 { 0.0 } else { c / q }].map(|raw| {
+            let u = raw.clamp(0.0, 1.0);
+            let ruling = corners.along_ruling(u);
+            let root = Root { t: space.t(ruling.depth), u, v: ruling.v.clamp(0.0, 1.0) };
+            // A NaN, of 0 / 0, is not in the square, and not next to its edge.
+            let from_center = (raw - 0.5).abs().max((ruling.v - 0.5).abs());
+            (root, from_center, corners.too_few_digits(discriminant, &ruling))
+        });
+        let [(first, first_off, first_poor), (second, second_off, second_poor)] = roots;
+        let next_to_edge = |off: f64| (off - 0.5).abs() < NEXT_TO_EDGE;
+        if first_poor | second_poor | next_to_edge(first_off) | next_to_edge(second_off) {
+            return self.solve_carefully(ray, space, odd);
+        }
+        if odd {
+            // One of them is in the square: the one nearer to its centre.
+            let root = if first_off < second_off { first } else { second };
+            return nearest(ray, [Some(root), None]);
+        }
+        // The outline says that both are in the square, or none.
+        let both = (first_off <= 0.5) & (second_off <= 0.5);
+        if both { nearest(ray, [Some(first), Some(second)]) } else { None }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn solve_carefully(&self, ray: &Ray, space: &RaySpace, odd: bool) -> Option<Root<f32>> {
+        nearest(ray, careful_patch::solve(self, ray, space, odd))
     }
 
     #[inline(always)]
@@ -236,98 +310,57 @@ impl BilinearPatch {
 }
 
 impl Corners {
-    /// Where the ruling of constant `u` comes nearest to the ray: `v`, and the depth there with `v`
-    /// clamped to the patch.
+    /// `c`, `b` and `a`.
+    fn parabola(&self) -> [f64; 3] {
+        let Self { p00, p10, p01, p11, .. } = *self;
+        let c = edge(p00, p01);
+        let a = (p10.x - p00.x) * (p11.y - p01.y) - (p11.x - p01.x) * (p10.y - p00.y);
+        [c, edge(p10, p11) - c - a, a]
+    }
+
+    /// The ruling of constant `u`.
     #[inline(always)]
-    fn along_ruling(&self, u: f64) -> (f64, f64) {
+    fn along_ruling(&self, u: f64) -> Ruling {
         let (p0, p1) = (between(self.p00, self.p10, u), between(self.p01, self.p11, u));
         let (x, y) = (p1.x - p0.x, p1.y - p0.y);
         let square = x * x + y * y;
         // A ruling seen end-on is a point of the image: take its middle.
         let v = if square > 0.0 { -(p0.x * x + p0.y * y) / square } else { 0.5 };
-        (v, p0.depth + v.clamp(0.0, 1.0) * (p1.depth - p0.depth))
+        let depth = p0.depth + v.clamp(0.0, 1.0) * (p1.depth - p0.depth);
+        Ruling { v, depth, square }
     }
 
-    /// One step of Newton in both parameters, and the depth there.
-    ///
-    /// Two roots may nearly agree in `u` and differ in `v`, if a ruling is nearly parallel to the ray.
-    /// Half of the digits of `u` are lost then, and `v` follows; but both are well determined together.
-    #[cold]
-    #[inline(never)]
-    fn refine(&self, u: f64, v: f64) -> (f64, f64, f64) {
-        type Coordinate = fn(Image) -> f64;
-        let Self { p00, p10, p01, p11 } = *self;
-        let v = v.clamp(0.0, 1.0);
-        let mix = |a: f64, b: f64, s: f64| (1.0 - s) * a + s * b;
-        let at =
-            |f: Coordinate, u: f64, v: f64| mix(mix(f(p00), f(p10), u), mix(f(p01), f(p11), u), v);
-        let by_u = |f: Coordinate| mix(f(p10) - f(p00), f(p11) - f(p01), v);
-        let by_v = |f: Coordinate| mix(f(p01) - f(p00), f(p11) - f(p10), u);
-        let (fx, fy): (Coordinate, Coordinate) = (|p| p.x, |p| p.y);
-        let (x, y) = (at(fx, u, v), at(fy, u, v));
-        let ((xu, yu), (xv, yv)) = ((by_u(fx), by_u(fy)), (by_v(fx), by_v(fy)));
-        let determinant = xu * yv - xv * yu;
-        let step = ((xv * y - yv * x) / determinant, (yu * x - xu * y) / determinant);
-        // A step that an `f32` could see is no correction of rounding: this is a fold, and there is no
-        // better point than the one at hand.
-        let small = step.0.abs().max(step.1.abs()) < f64::from(UNIT_ROUNDOFF);
-        let moved = |x: f64, step: f64| if small { (x + step).clamp(0.0, 1.0) } else { x };
-        let (u, v) = (moved(u, step.0), moved(v, step.1));
-        (u, v, at(|p| p.depth, u, v))
+    /// True if 53 bits are too few at this root, see above. False for a NaN.
+    #[inline(always)]
+    fn too_few_digits(&self, discriminant: f64, ruling: &Ruling) -> bool {
+        let [p00, p10, p01, p11] = [self.p00, self.p10, self.p01, self.p11].map(|p| p.depth.abs());
+        let terms = ((p00 + p10) + (p01 + p11)) * (self.size * self.size * self.size);
+        let left = (ruling.depth * ruling.depth) * (discriminant * ruling.square);
+        left < TOO_FEW_DIGITS * (terms * terms)
     }
+}
 
-    /// Two roots in `u` that may count: the ray meets the patch twice, or once near a fold or a corner.
-    #[cold]
-    #[inline(never)]
-    fn solve_folded(
-        &self,
-        ray: &Ray,
-        space: &RaySpace,
-        [c, b, a]: [f64; 3],
-        odd: bool,
-    ) -> Option<Root> {
-        let discriminant = b * b - 4.0 * a * c;
-        if !odd && discriminant < 0.0 {
-            return None;
-        }
-        let q = -0.5 * (b + discriminant.max(0.0).sqrt().copysign(b));
-        // A corner that is not finite makes a NaN of one of them, or an infinity.
-        if !(a.is_finite() && q.is_finite()) {
-            return None;
-        }
-        let roots = [q / a, if q == 0.0 { 0.0 } else { c / q }];
-        let root = |u: f64| {
-            let u = u.clamp(0.0, 1.0);
-            let v = self.along_ruling(u).0;
-            let (u, refined, depth) = self.refine(u, v);
-            let t64 = space.t(depth);
-            (v, t64, accept(ray, t64).map(|t| Root { t, u, v: refined }))
-        };
-        if odd {
-            // One of them is in the square: the one nearer to its centre. A NaN, of 0 / 0, is not.
-            let from_center = |u: f64| {
-                let v = self.along_ruling(u.clamp(0.0, 1.0)).0;
-                (u - 0.5).abs().max((v - 0.5).abs())
-            };
-            let first = from_center(roots[0]) < from_center(roots[1]);
-            return root(if first { roots[0] } else { roots[1] }).2;
-        }
-        // The ends of the parabola say that both `u` are in the square; the outline says that both `v`
-        // are, or none.
-        let [(v0, t0, first), (v1, t1, second)] = roots.map(root);
-        if !((0.0..=1.0).contains(&v0) && (0.0..=1.0).contains(&v1)) {
-            return None;
-        }
-        match (first, second) {
-            // They may round to the same `t`: the nearer one is nearer before that.
-            (Some(first), Some(second)) => Some(if t1 < t0 { second } else { first }),
-            (first, second) => first.or(second),
-        }
-    }
+/// The first root in the interval of the ray. Two may round to the same `t`: the nearer one is nearer
+/// before that.
+fn nearest(ray: &Ray, [first, second]: [Option<Root>; 2]) -> Option<Root<f32>> {
+    let ordered = match (first, second) {
+        (Some(first), Some(second)) if second.t < first.t => [Some(second), Some(first)],
+        roots => [roots.0, roots.1],
+    };
+    ordered.into_iter().flatten().find_map(|Root { t, u, v }| {
+        let t = accept(ray, t)?;
+        Some(Root { t, u, v })
+    })
 }
 
 // Functions, not closures: a closure would stay a call of its own where the caller is compiled for more
 // instructions than this crate, and `f64::min` minds NaN at a cost.
+
+/// The smallest and the largest.
+#[inline(always)]
+fn range(a: f64, b: f64, c: f64, d: f64) -> (f64, f64) {
+    (low(low(a, b), low(c, d)), high(high(a, b), high(c, d)))
+}
 
 #[inline(always)]
 fn low(a: f64, b: f64) -> f64 {

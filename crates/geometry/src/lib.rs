@@ -74,6 +74,7 @@ mod aabb;
 mod basis;
 mod bilinear_patch;
 mod careful_cone;
+mod careful_patch;
 mod double_double;
 mod float;
 mod profile;

@@ -51,6 +51,12 @@ impl RaySpace {
         Self { axes: [x, y, z], origin: [ox, oy, oz], direction: [dx, dy, dz], over_dz: dz.recip() }
     }
 
+    /// The axes that are `x`, `y` and `z` of the image.
+    #[inline(always)]
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
     /// The images of two points.
     #[inline(always)]
     pub(crate) fn project(&self, p: Vec3, q: Vec3) -> (Image, Image) {
