@@ -3,19 +3,19 @@
 use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use rotund_bvh::Bvh;
-use rotund_geometry::Ray;
+use rotund_bvh::{Bvh, ConeTree, Form, PatchTree, SphereTree, TriangleTree};
+use rotund_geometry::{Aabb, Hit, Ray};
 
 /// The trees of one scene.
 ///
-/// They hold boxes, not geometry, and the boxes hold the elements under either [`Method`]: setting a
-/// method needs no new trees. Any other change of shapes or instances does.
+/// They hold the geometry of the shapes as it was, and serve either [`Method`]: setting a method needs
+/// no new trees. Any other change of shapes or instances does.
 #[derive(Clone, Debug)]
 pub struct Trees {
     instances: Bvh,
     placements: Vec<Placement>,
     /// One for each shape.
-    shapes: Vec<Bvh>,
+    shapes: Vec<ShapeTree>,
 }
 
 /// An instance, prepared for rays.
@@ -71,8 +71,7 @@ impl Trees {
     /// If an index in the scene is out of range.
     #[must_use]
     pub fn build(scene: &Scene) -> Self {
-        let shapes: Vec<Bvh> =
-            scene.shapes.par_iter().map(|shape| Bvh::build(&shape.element_bounds())).collect();
+        let shapes: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
         let place = |instance: &Instance| {
             let frame = Frame::new(instance.world_from_object);
             let bounds = shapes[instance.shape as usize].bounds();
@@ -89,24 +88,21 @@ impl Trees {
     /// `scene` is the one the trees were built of.
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
-        let (instance, t, element) = self.instances.closest(ray, |id, ray| {
+        let (instance, t, (element, hit)) = self.instances.closest(ray, |id, ray| {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let ray = placement.object_ray(shape, ray);
-            let (element, t) =
-                closest_element(shape, &self.shapes[placement.shape as usize], &ray)?;
-            Some((t, element))
+            let tree = &self.shapes[placement.shape as usize];
+            let (element, hit) = tree.closest(&ray, form(shape.method))?;
+            Some((hit.t, (element, hit)))
         })?;
-        // The traversal asked for `t` alone; the rest is worth its price once.
         let placement = &self.placements[instance as usize];
         let shape = &scene.shapes[placement.shape as usize];
-        let primitive = shape.primitive(element);
-        let hit = primitive.closest(&placement.object_ray(shape, ray))?;
         let world = placement.frame.world_hit(&hit);
         Some(SceneHit {
             instance,
             element,
-            uv: primitive.uv(&hit),
+            uv: shape.primitive(element).uv(&hit),
             t,
             position: world.position,
             normal: world.normal,
@@ -121,55 +117,74 @@ impl Trees {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let ray = placement.object_ray(shape, ray);
-            any_element(shape, &self.shapes[placement.shape as usize], &ray)
+            self.shapes[placement.shape as usize].any(&ray, form(shape.method))
         })
     }
 }
 
-/// Matches once outside the traversal, so that inside it the kind is known.
-macro_rules! traverse {
-    ($shape:expr, $primitive:ident, $element:ident => $traversal:expr) => {{
-        let vanilla = $shape.method == Method::Vanilla;
-        match &$shape.elements {
-            Elements::Points(_) if vanilla => {
-                let $primitive = |$element: u32| $shape.point($element);
-                $traversal
-            }
-            Elements::Points(_) => {
-                let $primitive = |$element: u32| $shape.sphere($element);
-                $traversal
-            }
-            Elements::Lines(lines) if vanilla => {
-                let $primitive = |$element: u32| $shape.line(lines[$element as usize]);
-                $traversal
+/// The tree over the elements of a shape, in object space.
+#[derive(Clone, Debug)]
+enum ShapeTree {
+    Points(SphereTree),
+    Lines(ConeTree),
+    Triangles(TriangleTree),
+    Quads(PatchTree),
+}
+
+impl ShapeTree {
+    fn build(shape: &Shape) -> Self {
+        match &shape.elements {
+            Elements::Points(count) => {
+                let spheres: Vec<_> = (0..*count).map(|point| shape.sphere(point)).collect();
+                Self::Points(SphereTree::build(&spheres))
             }
             Elements::Lines(lines) => {
-                let $primitive = |$element: u32| $shape.cone(lines[$element as usize]);
-                $traversal
+                let cones: Vec<_> = lines.iter().map(|&line| shape.cone(line)).collect();
+                Self::Lines(ConeTree::build(&cones))
             }
             Elements::Triangles(triangles) => {
-                let $primitive = |$element: u32| $shape.triangle(triangles[$element as usize]);
-                $traversal
-            }
-            Elements::Quads(quads) if vanilla => {
-                let $primitive = |$element: u32| $shape.quad(quads[$element as usize]);
-                $traversal
+                let triangles: Vec<_> =
+                    triangles.iter().map(|&vertices| shape.triangle(vertices)).collect();
+                Self::Triangles(TriangleTree::build(&triangles))
             }
             Elements::Quads(quads) => {
-                let $primitive = |$element: u32| $shape.patch(quads[$element as usize]);
-                $traversal
+                let patches: Vec<_> = quads.iter().map(|&quad| shape.patch(quad)).collect();
+                Self::Quads(PatchTree::build(&patches))
             }
         }
-    }};
+    }
+
+    fn bounds(&self) -> Aabb {
+        match self {
+            Self::Points(tree) => tree.bounds(),
+            Self::Lines(tree) => tree.bounds(),
+            Self::Triangles(tree) => tree.bounds(),
+            Self::Quads(tree) => tree.bounds(),
+        }
+    }
+
+    fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)> {
+        match self {
+            Self::Points(tree) => tree.closest(ray, form),
+            Self::Lines(tree) => tree.closest(ray, form),
+            Self::Triangles(tree) => tree.closest(ray, form),
+            Self::Quads(tree) => tree.closest(ray, form),
+        }
+    }
+
+    fn any(&self, ray: &Ray, form: Form) -> bool {
+        match self {
+            Self::Points(tree) => tree.any(ray, form),
+            Self::Lines(tree) => tree.any(ray, form),
+            Self::Triangles(tree) => tree.any(ray, form),
+            Self::Quads(tree) => tree.any(ray, form),
+        }
+    }
 }
 
-fn closest_element(shape: &Shape, tree: &Bvh, ray: &Ray) -> Option<(u32, f32)> {
-    let (element, t, ()) = traverse!(shape, primitive, element => {
-        tree.closest(ray, |id, ray| primitive(id).closest_t(ray).map(|t| (t, ())))
-    })?;
-    Some((element, t))
-}
-
-fn any_element(shape: &Shape, tree: &Bvh, ray: &Ray) -> bool {
-    traverse!(shape, primitive, element => tree.any(ray, |id, ray| primitive(id).any(ray)))
+fn form(method: Method) -> Form {
+    match method {
+        Method::Vanilla => Form::Vanilla,
+        Method::Enhanced => Form::Enhanced,
+    }
 }

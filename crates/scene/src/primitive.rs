@@ -3,7 +3,7 @@
 use crate::{Elements, Method, Shape};
 use glam::{Vec2, Vec3};
 use rotund_geometry::{
-    Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle,
+    BilinearPatch, Hit, RoundedCone, Sphere, Triangle,
     vanilla::{Line, Point, Quad},
 };
 
@@ -35,10 +35,6 @@ macro_rules! each {
 }
 
 impl Primitive {
-    pub(crate) fn closest(&self, ray: &Ray) -> Option<Hit> {
-        each!(self, primitive => primitive.closest(ray))
-    }
-
     pub(crate) fn uv(&self, hit: &Hit) -> Vec2 {
         each!(self, primitive => primitive.uv(hit))
     }
@@ -81,43 +77,21 @@ impl Shape {
         }
     }
 
-    /// Boxes of all elements that hold them under either method.
-    pub(crate) fn element_bounds(&self) -> Vec<Aabb> {
-        match &self.elements {
-            Elements::Points(count) => {
-                (0..*count).map(|i| self.sphere(i).bounds().union(self.point(i).bounds())).collect()
-            }
-            Elements::Lines(lines) => {
-                lines.iter().map(|&l| self.cone(l).bounds().union(self.line(l).bounds())).collect()
-            }
-            Elements::Triangles(triangles) => {
-                triangles.iter().map(|&vertices| self.triangle(vertices).bounds()).collect()
-            }
-            Elements::Quads(quads) => {
-                quads.iter().map(|&q| self.patch(q).bounds().union(self.quad(q).bounds())).collect()
-            }
-        }
-    }
-
-    #[inline]
-    pub(crate) fn point(&self, element: u32) -> Point {
+    fn point(&self, element: u32) -> Point {
         let i = element as usize;
         Point { center: self.positions[i], radius: self.radii[i] }
     }
 
-    #[inline]
     pub(crate) fn sphere(&self, element: u32) -> Sphere {
         let i = element as usize;
         Sphere { center: self.positions[i], radius: self.radii[i] }
     }
 
-    #[inline]
-    pub(crate) fn line(&self, [a, b]: [u32; 2]) -> Line {
+    fn line(&self, [a, b]: [u32; 2]) -> Line {
         let (a, b) = (a as usize, b as usize);
         Line { p0: self.positions[a], r0: self.radii[a], p1: self.positions[b], r1: self.radii[b] }
     }
 
-    #[inline]
     pub(crate) fn cone(&self, [a, b]: [u32; 2]) -> RoundedCone {
         let (a, b) = (a as usize, b as usize);
         RoundedCone {
@@ -128,20 +102,17 @@ impl Shape {
         }
     }
 
-    #[inline]
     pub(crate) fn triangle(&self, vertices: [u32; 3]) -> Triangle {
         let [p0, p1, p2] = vertices.map(|vertex| self.positions[vertex as usize]);
         Triangle { p0, p1, p2 }
     }
 
-    #[inline]
-    pub(crate) fn quad(&self, vertices: [u32; 4]) -> Quad {
+    fn quad(&self, vertices: [u32; 4]) -> Quad {
         let [p0, p1, p2, p3] = vertices.map(|vertex| self.positions[vertex as usize]);
         Quad { p0, p1, p2, p3 }
     }
 
     /// A file goes around a quad, a patch counts its corners row by row.
-    #[inline]
     pub(crate) fn patch(&self, vertices: [u32; 4]) -> BilinearPatch {
         let [p00, p10, p11, p01] = vertices.map(|vertex| self.positions[vertex as usize]);
         BilinearPatch { p00, p10, p01, p11 }
