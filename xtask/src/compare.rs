@@ -26,7 +26,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON file.
+    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
     scene: String,
     /// The folder to write to; `out/` and the name of the scene if not given.
     #[arg(long, value_name = "DIR")]

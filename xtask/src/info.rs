@@ -14,7 +14,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON file.
+    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
     scene: String,
 }
 

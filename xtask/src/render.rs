@@ -28,7 +28,7 @@ enum Mode {
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON file.
+    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
     scene: String,
     /// The image to write: png (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,exr,hdr}")]

@@ -13,7 +13,7 @@ pub(crate) struct NamedScene {
     pub(crate) scene: Scene,
 }
 
-/// Loads a scene: the name of one that comes with the workspace, or the path of a JSON file. What is
+/// Loads a scene: the name of one that comes with the workspace, or the path of a JSON, PLY or OBJ file. What is
 /// odd about it but no error goes to standard error.
 #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
 pub(crate) fn load(name_or_path: &str) -> Result<NamedScene> {
@@ -58,15 +58,13 @@ pub(crate) fn bundled() -> Result<Vec<String>> {
 
 fn locate(name_or_path: &str) -> Result<PathBuf> {
     let path = Path::new(name_or_path);
-    let is_path = name_or_path.contains(std::path::is_separator)
-        || path.extension().is_some_and(|extension| extension == "json");
-    if is_path {
+    if name_or_path.contains(std::path::is_separator) || path.extension().is_some() {
         return Ok(path.to_owned());
     }
     let names = bundled()?;
     if !names.iter().any(|name| name == name_or_path) {
         bail!(
-            "there is no scene {name_or_path:?}; there are {}, or give the path of a JSON file",
+            "there is no scene {name_or_path:?}; there are {}, or give the path of a JSON, PLY or OBJ file",
             names.join(", ")
         );
     }

@@ -32,7 +32,7 @@
 //! # Accuracy
 //!
 //! Input is taken as exact. The solvers work in `f64`, in forms whose terms do not grow with the distance
-//! of the ray. Those of spheres and cones start again with 106 bits where an `f64` leaves too few: at
+//! of the ray. Those of the three round shapes start again with 106 bits where an `f64` leaves too few: at
 //! grazing incidence, and for rays that start on the surface. Each number of a [`Hit`] is rounded once.
 //! With `u = 2⁻²⁴`:
 //!

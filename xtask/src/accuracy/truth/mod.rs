@@ -22,6 +22,8 @@ pub(crate) struct Crossing {
     pub(crate) normal: DVec3,
     /// The parameters of a patch.
     pub(crate) uv: Option<DVec2>,
+    /// True on the rim of a patch, where 106 bits do not tell inside from outside.
+    pub(crate) on_edge: bool,
 }
 
 /// A shape of the library, with its exact answers.
@@ -53,7 +55,7 @@ pub(crate) struct Truth {
     /// Which of them is the first in the interval of the ray.
     pub(crate) hit: Option<usize>,
     /// True if a crossing lies within one rounding of an end of the interval, or if the line touches a
-    /// solid without passing through: then both answers are right.
+    /// solid without passing through, or it goes through the rim of a patch: then both answers are right.
     pub(crate) either: bool,
 }
 
@@ -82,8 +84,8 @@ impl Truth {
         let touches = |a: &Crossing, b: &Crossing| {
             S::CONVEX && (b.point - a.point).length().to_f64() <= 1e-13 * shape.size()
         };
-        let either =
-            crossings.iter().any(at_end) || crossings.windows(2).any(|w| touches(&w[0], &w[1]));
+        let either = crossings.iter().any(|c| at_end(c) || c.on_edge)
+            || crossings.windows(2).any(|w| touches(&w[0], &w[1]));
         Self { crossings, hit, either }
     }
 

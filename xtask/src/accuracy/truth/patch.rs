@@ -13,6 +13,10 @@ use rotund_geometry::BilinearPatch;
 use super::{Crossing, Exact};
 use crate::accuracy::wide::{Wide, Wide3};
 
+/// Parameters nearer than this to 0 or 1 are on the rim, as far as 106 bits can tell: a ray through a
+/// corner, exactly, comes out on either side of it. Of two neighbours only one counts such a ray.
+const RIM: f64 = 1e-24;
+
 /// The patch as `q + u e + v f + u v w`.
 #[derive(Clone, Copy)]
 struct Bilinear {
@@ -76,7 +80,9 @@ impl Exact for BilinearPatch {
             (false, true) => by_v,
             _ => by_u,
         };
-        let range = Wide::ZERO..=Wide::ONE;
+        let range = -Wide::from(RIM)..=Wide::ONE + Wide::from(RIM);
+        let at_rim =
+            |x: Wide| x.abs() <= Wide::from(RIM) || (x - Wide::ONE).abs() <= Wide::from(RIM);
         let mut found: Vec<Crossing> = roots
             .into_iter()
             .flatten()
@@ -87,6 +93,7 @@ impl Exact for BilinearPatch {
                 point: start + direction * t,
                 normal: (patch.e + patch.w * v).cross(patch.f + patch.w * u).unit(),
                 uv: Some(DVec2::new(u.to_f64(), v.to_f64())),
+                on_edge: at_rim(u) || at_rim(v),
             })
             .filter(|crossing| crossing.t.is_finite() && crossing.normal != DVec3::ZERO)
             .collect();
@@ -252,6 +259,7 @@ mod tests {
             point: Wide3::default(),
             normal: DVec3::Z,
             uv: Some(DVec2::splat(0.5)),
+            on_edge: false,
         };
         for (point, expected) in [
             (DVec3::new(0.5, 0.5, 2.0), 2.0),

@@ -52,7 +52,13 @@ impl Exact for RoundedCone {
         let at = |t: Wide| {
             let point = start + direction * t;
             let (center, _) = nearest_ball(self, point);
-            Crossing { t: near + t, point, normal: (point - center).unit(), uv: None }
+            Crossing {
+                t: near + t,
+                point,
+                normal: (point - center).unit(),
+                uv: None,
+                on_edge: false,
+            }
         };
         vec![at(enter), at(leave)]
     }

@@ -26,7 +26,13 @@ impl Exact for Sphere {
         };
         let at = |t: Wide| {
             let point = origin + direction * t;
-            Crossing { t, point, normal: (point - self.center.into()).unit(), uv: None }
+            Crossing {
+                t,
+                point,
+                normal: (point - self.center.into()).unit(),
+                uv: None,
+                on_edge: false,
+            }
         };
         vec![at(near), at(far)]
     }
