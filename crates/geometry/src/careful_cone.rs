@@ -101,7 +101,8 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
             let Some(theta) = theta else { return Attempt::Found(None) };
             let difference = theta - b;
             let share = moment2.nearest() / discriminant.nearest();
-            let scale = share * theta.nearest().abs().max(b.nearest().abs());
+            let terms: f64 = (0..3).map(|i| (f[i] * d[i]).nearest().abs()).sum();
+            let scale = share * theta.nearest().abs().max(terms);
             if difference.nearest().abs() < allowed * scale {
                 return Attempt::TooFewDigits;
             }

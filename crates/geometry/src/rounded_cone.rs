@@ -169,8 +169,9 @@ impl RoundedCone {
         let (t64, from_ball, s, radius);
         if y >= 0.0 && y <= width {
             let difference = theta - b;
-            // Rounding moves `theta` by the share of `D` that is lost, of half the chord.
-            let scale = spread * moment2 + b.abs() * k2 * discriminant;
+            // Rounding moves `theta` by the share of `D` that is lost, of half the chord, and `b` by a
+            // share of its terms, which cancel where the ray starts beside `p0`.
+            let scale = spread * moment2 + f.abs().dot(d.abs()) * k2 * discriminant;
             if difference.abs() * k2 * discriminant < CANCELLATION * scale {
                 return self.solve_carefully(ray);
             }

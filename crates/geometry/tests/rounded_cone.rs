@@ -3,7 +3,7 @@
 mod support;
 
 use rotund_geometry::glam::{Vec2, Vec3};
-use rotund_geometry::{Ray, RoundedCone, Sphere};
+use rotund_geometry::{Ray, RoundedCone, Sphere, UNIT_ROUNDOFF};
 use support::{Random, Wide, Wide3, at, dot, local_unit, minus, ray, rounding_interval, wide};
 
 const FAT: RoundedCone =
@@ -348,4 +348,23 @@ fn tangents_are_the_derivatives_of_the_position() {
         let n = FAT.normal(uv).as_dvec3();
         assert!(n.dot(du.as_dvec3()).abs() < 1e-5 && n.dot(dv.as_dvec3()).abs() < 1e-5);
     }
+}
+
+#[test]
+fn a_ray_that_starts_on_the_body_beside_p0_keeps_the_digits_of_a_tiny_t() {
+    let bits = |x: u32| f32::from_bits(x);
+    let at = |x: u32, y: u32, z: u32| Vec3::new(bits(x), bits(y), bits(z));
+    let cone = RoundedCone {
+        p0: at(0xbea8_a6c0, 0x3fb5_8da5, 0x3f41_b313),
+        r0: 1.0,
+        p1: at(0x3f15_714b, 0xbe5b_1030, 0xbfcb_6213),
+        r1: 0.5,
+    };
+    let origin = at(0x3f3d_0130, 0xbe6c_d458, 0xbf3f_54e9);
+    let direction = at(0xbf25_ebb0, 0x3e75_5d34, 0xbf39_0ce1);
+    // The terms of f·d are of size one and cancel to 3e-4; t is the 8e-9th part of them. From 106 bits.
+    let expected = 1.057_704_035_985_401_7e-8;
+    let hit = cone.closest(&Ray::new(origin, direction)).expect("it enters");
+    let units = (f64::from(hit.t) - expected).abs() / (expected * f64::from(UNIT_ROUNDOFF));
+    assert!(units <= 1.0, "{units} units");
 }
