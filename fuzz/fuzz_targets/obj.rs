@@ -1,14 +1,10 @@
-//! OBJ files of any bytes: `cargo +nightly fuzz run obj -- -rss_limit_mb=1024`.
+//! OBJ files of any bytes.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rotund_scene::{LoadOptions, load};
 
-fuzz_target!(|bytes: &[u8]| {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("shape.obj"), bytes).expect("writes the shape");
-    let scene = folder.path().join("scene.json");
-    std::fs::write(&scene, r#"{ "shapes": [{ "uri": "shape.obj" }] }"#).expect("writes the scene");
-    let _ = load(&scene, &LoadOptions::default());
-});
+/// The tightest are polygons whose corners take two characters each.
+const RATIO: usize = 128;
+
+fuzz_target!(|bytes: &[u8]| rotund_fuzz::survives("obj", bytes, RATIO));

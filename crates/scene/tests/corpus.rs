@@ -1,12 +1,11 @@
-//! Malformed files, made by spoiling good ones in ways that do not depend on chance: nothing may panic,
-//! hang, or load with an index out of range.
+//! Malformed files, kept from fuzzing and made by spoiling good ones in ways that do not depend on chance:
+//! nothing may panic, hang, or load with an index out of range.
 
 mod support;
 
-use rotund_geometry::Ray;
-use rotund_scene::{Elements, LoadOptions, Trees, load};
-use std::fs;
-use support::Random;
+use rotund_scene::{LoadOptions, load};
+use std::{fs, path::Path};
+use support::{Random, input, whole};
 
 const ASCII: &[u8] = b"ply\nformat ascii 1.0\ncomment good\nelement vertex 4\nproperty float x\n\
     property float y\nproperty float z\nproperty float radius\nelement face 2\n\
@@ -78,7 +77,7 @@ fn spoiled_files_are_refused_or_load_whole() {
         );
         fs::write(folder.path().join("scene.json"), around).expect("writes the scene");
         let mut random = Random(41);
-        for case in 0..1000 {
+        for _ in 0..1000 {
             let bytes = spoiled(good, &mut random);
             fs::write(&path, &bytes).expect("writes the file");
             let Ok(result) = load(&scene, &LoadOptions::default()) else {
@@ -86,35 +85,31 @@ fn spoiled_files_are_refused_or_load_whole() {
                 continue;
             };
             loaded += 1;
-            let scene = result.scene;
-            for shape in &scene.shapes {
-                let count = shape.positions.len();
-                let in_range = match &shape.elements {
-                    Elements::Points(points) => *points as usize <= count,
-                    Elements::Lines(e) => e.as_flattened().iter().all(|&v| (v as usize) < count),
-                    Elements::Triangles(e) => {
-                        e.as_flattened().iter().all(|&v| (v as usize) < count)
-                    }
-                    Elements::Quads(e) => e.as_flattened().iter().all(|&v| (v as usize) < count),
-                };
-                assert!(in_range, "{name} {case}");
-                for length in [shape.normals.len(), shape.texcoords.len(), shape.colors.len()] {
-                    assert!(length == 0 || length == count, "{name} {case}");
-                }
-            }
-            // What loads can be met by rays and evaluated.
-            let trees = Trees::build(&scene);
-            for _ in 0..4 {
-                let origin = 3.0 * random.vector();
-                let ray = Ray::new(origin, random.vector() - origin);
-                if let Some(hit) = trees.closest(&scene, &ray) {
-                    let normal = scene.eval_shading_normal(&hit, -ray.direction);
-                    assert!(normal.is_finite(), "{name} {case}: {normal} at {hit:?}");
-                    let point = scene.eval_material(hit.instance, hit.element, hit.uv);
-                    assert!(point.color.is_finite(), "{name} {case}: {point:?}");
-                }
-            }
+            whole::check(&result.scene);
         }
     }
     assert!(refused > 1000 && loaded > 200, "{refused} refused, {loaded} loaded");
+}
+
+#[test]
+fn what_fuzzing_found_is_refused_or_loads_whole() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
+    for target in ["ply", "obj", "scene", "texture"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut outcomes = [0, 0];
+        for entry in fs::read_dir(corpus.join(target)).expect("a corpus") {
+            let bytes = fs::read(entry.expect("an entry").path()).expect("reads the file");
+            let Some((name, file, scene)) = input::files(target, &bytes) else { continue };
+            fs::write(folder.path().join(name), file).expect("writes the file");
+            let path = folder.path().join("scene.json");
+            fs::write(&path, scene).expect("writes the scene");
+            let result = load(&path, &LoadOptions::default());
+            outcomes[usize::from(result.is_ok())] += 1;
+            if let Ok(loaded) = result {
+                whole::check(&loaded.scene);
+            }
+        }
+        let [refused, loaded] = outcomes;
+        assert!(refused > 0 && loaded > 0, "{target}: {refused} refused, {loaded} loaded");
+    }
 }

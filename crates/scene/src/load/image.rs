@@ -5,16 +5,18 @@ use super::{
     file::{extension, read},
 };
 use crate::{LoadError, Pixels, Texture};
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use std::{io::Cursor, path::Path};
 
 const SUPPORTED: &str = "png, jpg, hdr and exr";
 
-/// No compression in these formats packs tighter than this: Deflate, the tightest, reaches 1032 : 1.
-const LARGEST_RATIO: u64 = 1100;
+/// No compression in these formats packs tighter than so many bytes of samples into one. Deflate, in PNG and
+/// EXR, reaches 1032; a block of 64 samples of a JPEG takes at least one bit, of which four-fold subsampled
+/// colours make 1365 bytes to one.
+const TIGHTEST: u64 = 1400;
 
-/// What a small file may unfold to in any case.
-const SMALLEST_LIMIT: u64 = 1 << 24;
+/// 16,384 x 16,384.
+const MOST_PIXELS: u64 = 1 << 28;
 
 /// Reads an image; the kind is told by the extension, as in yocto-gl.
 pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Texture, LoadError> {
@@ -38,10 +40,9 @@ pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Texture, LoadError
 
 /// `None` means EXR.
 pub(super) fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Texture, String> {
-    let limit = (bytes.len() as u64 * LARGEST_RATIO).max(SMALLEST_LIMIT);
     let texture = match format {
-        Some(format) => decode_with_image(bytes, format, limit)?,
-        None => decode_exr(bytes, limit)?,
+        Some(format) => decode_with_image(bytes, format)?,
+        None => decode_exr(bytes)?,
     };
     if texture.width == 0 || texture.height == 0 {
         return Err("the image has no pixels".to_owned());
@@ -49,15 +50,16 @@ pub(super) fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Textur
     Ok(texture)
 }
 
-fn decode_with_image(bytes: &[u8], format: ImageFormat, limit: u64) -> Result<Texture, String> {
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(limit);
-    reader.limits(limits);
-    let (width, height) = ImageReader::with_format(Cursor::new(bytes), format)
-        .into_dimensions()
-        .map_err(|error| error.to_string())?;
-    check_size(u64::from(width), u64::from(height), limit)?;
+fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Texture, String> {
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
+    let decoder = reader().into_decoder().map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    let bits = u64::from(decoder.original_color_type().bits_per_pixel());
+    drop(decoder);
+    check_size(width.into(), height.into(), bits, bytes)?;
+    let mut reader = reader();
+    // What the file unfolds to has just been found to fit its size.
+    reader.no_limits();
     let image = reader.decode().map_err(|error| error.to_string())?;
     let pixels = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
@@ -68,14 +70,15 @@ fn decode_with_image(bytes: &[u8], format: ImageFormat, limit: u64) -> Result<Te
     Ok(Texture { name: String::new(), width, height, pixels })
 }
 
-fn decode_exr(bytes: &[u8], limit: u64) -> Result<Texture, String> {
+fn decode_exr(bytes: &[u8]) -> Result<Texture, String> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
 
     // The dimensions first: the library allocates what a header claims.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
         .map_err(|error| error.to_string())?;
     for header in &meta.headers {
-        check_size(header.layer_size.0 as u64, header.layer_size.1 as u64, limit)?;
+        let bits = 8 * header.channels.bytes_per_pixel as u64;
+        check_size(header.layer_size.0 as u64, header.layer_size.1 as u64, bits, bytes)?;
     }
     let image = read()
         .no_deep_data()
@@ -103,8 +106,13 @@ fn decode_exr(bytes: &[u8], limit: u64) -> Result<Texture, String> {
     })
 }
 
-fn check_size(width: u64, height: u64, limit: u64) -> Result<(), String> {
-    if width.saturating_mul(height) > limit {
+/// Refuses sizes that no file of this length holds, before anything is allocated for them.
+fn check_size(width: u64, height: u64, bits_per_pixel: u64, bytes: &[u8]) -> Result<(), String> {
+    let pixels = width.saturating_mul(height);
+    if pixels > MOST_PIXELS {
+        return Err(format!("{width} x {height} pixels are more than the {MOST_PIXELS} supported"));
+    }
+    if pixels.saturating_mul(bits_per_pixel) / 8 > bytes.len() as u64 * TIGHTEST {
         return Err(format!("{width} x {height} pixels cannot come from a file of this size"));
     }
     Ok(())

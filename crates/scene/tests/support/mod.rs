@@ -8,6 +8,9 @@ use rotund_geometry::{
 };
 use rotund_scene::{Elements, Instance, Material, MaterialKind, Method, Scene, Shape};
 
+pub(crate) mod input;
+pub(crate) mod whole;
+
 /// SplitMix64.
 pub(crate) struct Random(pub(crate) u64);
 

@@ -1,0 +1,50 @@
+//! What bytes of a fuzzer become: a scene file and the file that it names.
+
+/// The name and content of the file that a scene names, and the scene; `None` for what is not worth a try.
+pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<u8>)> {
+    match target {
+        "ply" | "obj" => {
+            let name = format!("shape.{target}");
+            let scene = AROUND_A_SHAPE.replace("FILE", &name);
+            Some((name, bytes.to_vec(), scene.into_bytes()))
+        }
+        "texture" => {
+            // The first byte chooses the format.
+            let (first, bytes) = bytes.split_first()?;
+            let name = ["image.png", "image.jpg", "image.hdr", "image.exr"][usize::from(first % 4)];
+            let scene = AROUND_A_TEXTURE.replace("FILE", name);
+            Some((name.to_owned(), bytes.to_vec(), scene.into_bytes()))
+        }
+        "scene" => {
+            let shape = QUAD.as_bytes().to_vec();
+            (!asks_for_much(bytes)).then(|| ("shape.ply".to_owned(), shape, bytes.to_vec()))
+        }
+        _ => None,
+    }
+}
+
+/// A generator of a million elements makes a good scene that only takes long.
+fn asks_for_much(bytes: &[u8]) -> bool {
+    let has = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
+    let long = bytes.windows(3).any(|window| window.iter().all(u8::is_ascii_digit));
+    let exponent = bytes.windows(2).any(|w| w[0].is_ascii_digit() && w[1] | 32 == b'e');
+    (has(b"generator") || has(b"subdivisions")) && (long || exponent)
+}
+
+const AROUND_A_SHAPE: &str = r#"{
+  "materials": [{ "type": "glossy", "color": [1, 1, 1], "roughness": 0.5, "normal_tex": 0 }],
+  "textures": [{ "generator": { "bumps": { "size": 8, "bumps": 2, "height": 0.5 } } }],
+  "shapes": [{ "uri": "FILE" }],
+  "instances": [{ "shape": 0, "material": 0 }]
+}"#;
+
+const AROUND_A_TEXTURE: &str = r#"{
+  "textures": [{ "uri": "FILE" }],
+  "materials": [{ "color": [1, 1, 1], "color_tex": 0, "normal_tex": 0 }],
+  "shapes": [{ "generator": { "disk": { "steps": 2, "radius": 1 } } }],
+  "instances": [{ "shape": 0, "material": 0 }]
+}"#;
+
+const QUAD: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+    property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+    0 0 0\n1 0 0\n1 1 1\n0 1 0\n4 0 1 2 3\n";

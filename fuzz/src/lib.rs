@@ -1,0 +1,102 @@
+//! What the fuzz targets share: a folder to load from, an allocator that counts, and what has to hold of
+//! whatever loads.
+//!
+//! From the root of the workspace, with a nightly compiler and `cargo install cargo-fuzz`:
+//!
+//! ```text
+//! cargo +nightly fuzz run ply fuzz/corpus/ply crates/scene/tests/corpus/ply -- -max_len=2048 -max_total_time=900
+//! ```
+//!
+//! and so for `obj`, `scene` and `texture`. What fails goes into `crates/scene/tests/corpus/`, which
+//! `cargo test` replays.
+
+use rotund_scene::{LoadOptions, load};
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    fs,
+    path::PathBuf,
+    sync::{
+        LazyLock,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
+};
+
+#[path = "../../crates/scene/tests/support/input.rs"]
+mod input;
+#[path = "../../crates/scene/tests/support/whole.rs"]
+mod whole;
+
+/// Loads the scene that `bytes` are to `target`.
+///
+/// # Panics
+///
+/// If what loads does not hold together, or if loading takes more than `ratio` times the length of the
+/// files and a fixed amount, which is what the readers' own buffers and tables take.
+pub fn survives(target: &str, bytes: &[u8], ratio: usize) {
+    let Some((name, file, scene)) = input::files(target, bytes) else { return };
+    static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder").keep();
+        // Threads and tables that are made once are not to count.
+        let warm = folder.join("warm.json");
+        fs::write(&warm, r#"{ "shapes": [{ "generator": { "disk": { "steps": 2, "radius": 1 } } }] }"#)
+            .expect("writes the scene");
+        load(&warm, &LoadOptions::default()).expect("loads");
+        folder
+    });
+    // The tables of one compression of EXR take a few megabytes.
+    const FIXED: usize = 1 << 23;
+    fs::write(FOLDER.join(name), &file).expect("writes the file");
+    let path = FOLDER.join("scene.json");
+    fs::write(&path, &scene).expect("writes the scene");
+    let before = LIVE.load(Relaxed);
+    PEAK.store(before, Relaxed);
+    let loaded = load(&path, &LoadOptions::default());
+    let taken = PEAK.load(Relaxed).saturating_sub(before);
+    let allowed = FIXED + ratio * (file.len() + scene.len());
+    assert!(taken <= allowed, "{taken} bytes of memory for {} of a file", file.len());
+    if let Ok(loaded) = loaded {
+        whole::check(&loaded.scene);
+    }
+}
+
+/// The allocator of the system, and how much of it is in use.
+struct Counting;
+
+static LIVE: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn add(size: usize) {
+    PEAK.fetch_max(LIVE.fetch_add(size, Relaxed) + size, Relaxed);
+}
+
+// SAFETY: every call is passed on to the allocator of the system as it is.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        add(layout.size());
+        // SAFETY: the caller's promise is the one that is asked for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        add(layout.size());
+        // SAFETY: as above.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        LIVE.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // Old and new may exist at once, and do when the system has to move them.
+        add(size);
+        LIVE.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: as above.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
