@@ -73,7 +73,14 @@ pub(super) fn textures(
         };
         let mut loaded = source.get(image::load, |generator| generator.build())?;
         loaded.name = key.clone().unwrap_or_else(|| texture.name.clone());
-        Ok(loaded)
+        let mended = image::mend(&mut loaded);
+        let warning = (mended > 0).then(|| {
+            let scene = scene.display();
+            format!(
+                "{scene}: textures[{i}] has {mended} pixels that are not finite; taken as black"
+            )
+        });
+        Ok((loaded, warning))
     };
     let loaded: Vec<_> = file.textures.items.par_iter().enumerate().map(load).collect();
     let mut textures = Vec::new();
@@ -83,7 +90,11 @@ pub(super) fn textures(
                 warnings.push(format!("left out, white instead: {error}"));
                 textures.push(Texture::white());
             }
-            result => textures.push(result?),
+            result => {
+                let (texture, warning) = result?;
+                textures.push(texture);
+                warnings.extend(warning);
+            }
         }
     }
     Ok(textures)

@@ -38,6 +38,17 @@ pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Texture, LoadError
     decode(&bytes, format).map_err(|problem| LoadError::Image { path: path.to_owned(), problem })
 }
 
+/// Makes black what is not finite, as renderers leave it here and there, and says how many pixels were.
+pub(super) fn mend(texture: &mut Texture) -> usize {
+    let Pixels::Floats(pixels) = &mut texture.pixels else { return 0 };
+    let mut mended = 0;
+    for pixel in pixels.iter_mut().filter(|pixel| !pixel.iter().all(|c| c.is_finite())) {
+        *pixel = [0.0, 0.0, 0.0, 1.0];
+        mended += 1;
+    }
+    mended
+}
+
 /// `None` means EXR.
 pub(super) fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Texture, String> {
     let texture = match format {

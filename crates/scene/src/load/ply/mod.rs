@@ -32,6 +32,13 @@ pub(crate) fn read<R: BufRead>(path: &Path, reader: R, length: u64) -> Result<Me
     let mut mesh = Mesh::default();
     let is_vertex = |element: &&Element| element.name == "vertex";
     let vertices = header.elements.iter().find(is_vertex).map_or(0, |element| element.count);
+    if header.elements.iter().filter(is_vertex).count() > 1 {
+        return Err(LoadError::PlyHeader {
+            path: input.path,
+            line: 1,
+            problem: "more than one element is called vertex".to_owned(),
+        });
+    }
     for element in &header.elements {
         check_size(&input, element, header.encoding)?;
         let rows = &mut Rows::new(&mut input, element, header.encoding, vertices);
