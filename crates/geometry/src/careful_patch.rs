@@ -1,12 +1,11 @@
 //! The bilinear patch once more, in 106 bits, for the rays that its common path gives up.
 //!
-//! The letters and the derivation are those of `bilinear_patch.rs`. There is no need to exchange `u` and
+//! The letters and the derivation are those of `patch_solver.rs`. There is no need to exchange `u` and
 //! `v` where two roots nearly agree in `u` and differ in `v`: half of the digits of `u` are lost then, and
 //! `v` follows, but half of 106 is still an `f64`.
 
-use crate::bilinear_patch::Root;
 use crate::double_double::{Double, Real};
-use crate::ray_space::RaySpace;
+use crate::patch_solver::Root;
 use crate::{BilinearPatch, Ray};
 
 /// A ruling whose image is shorter than `2⁻⁴⁸` of the patch is seen end-on: its place is known to no
@@ -16,16 +15,15 @@ const END_ON: f64 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
 /// The image of a vertex: `x`, `y`, and the depth.
 type Image = [Double; 3];
 
-/// The crossings in the square, whatever their `t`: one if their number is odd, otherwise two or none.
+/// The crossings in the square, seen along the last of the axes, whatever their `t`: one if their number is odd, otherwise two or none.
 #[cold]
 #[inline(never)]
 pub(crate) fn solve(
     patch: &BilinearPatch,
     ray: &Ray,
-    space: &RaySpace,
+    axes: [usize; 3],
     odd: bool,
 ) -> [Option<Root>; 2] {
-    let axes = space.axes();
     let [ox, oy, oz] = axes.map(|i| Double::exact(ray.origin[i]));
     let [dx, dy, dz] = axes.map(|i| Double::exact(ray.direction[i]));
     let [p00, p10, p01, p11] = [patch.p00, patch.p10, patch.p01, patch.p11].map(|p| {

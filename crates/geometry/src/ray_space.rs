@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use crate::{Ray, widen};
+use crate::Ray;
+use crate::pair::{Mask, Pair};
 
 /// Projects points along a ray onto a plane.
 ///
@@ -17,38 +18,43 @@ use crate::{Ray, widen};
 #[derive(Clone, Copy)]
 pub(crate) struct RaySpace {
     axes: [usize; 3],
-    origin: [f64; 3],
-    direction: [f64; 3],
-    over_dz: f64,
+    // Each twice, in fields of their own: the compiler keeps these in registers, but an array in memory.
+    ox: Pair,
+    oy: Pair,
+    oz: Pair,
+    dx: Pair,
+    dy: Pair,
+    dz: Pair,
 }
 
-/// The two axes that follow each axis.
-const ACROSS: [[usize; 2]; 4] = [[1, 2], [2, 0], [0, 1], [0, 1]];
-
-/// The image of a vertex, and its depth: the distance along the dominant axis.
+/// The images of two vertices, and their depths: the distances along the dominant axis.
 #[derive(Clone, Copy)]
-pub(crate) struct Image {
-    pub(crate) x: f64,
-    pub(crate) y: f64,
-    pub(crate) depth: f64,
+pub(crate) struct Images {
+    pub(crate) x: Pair,
+    pub(crate) y: Pair,
+    pub(crate) depth: Pair,
 }
 
 impl RaySpace {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
-        let size = ray.direction.abs();
-        let z = if size.x > size.y {
-            if size.x > size.z { 0 } else { 2 }
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
-        let [x, y] = ACROSS[z & 3];
-        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
-        let ([ox, oy], [dx, dy], [oz, dz]) =
-            (widen::pair(o[x], o[y]), widen::pair(d[x], d[y]), widen::pair(o[z], d[z]));
-        Self { axes: [x, y, z], origin: [ox, oy, oz], direction: [dx, dy, dz], over_dz: dz.recip() }
+        // Of numbers that are not negative the bits have the same order, and are compared faster. Sums
+        // instead of branches: the axis of the next ray cannot be foretold.
+        let [x, y, z] = ray.direction.to_array().map(|d| d.to_bits() << 1);
+        let z = (usize::from(y >= x) + 2 * usize::from(z >= x.max(y))).min(2);
+        // Not by a table: so the compiler sees that they are axes.
+        let (x, y) = (if z == 2 { 0 } else { z + 1 }, if z == 0 { 2 } else { z - 1 });
+        let (o, d): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
+        let [x_of, y_of, z_of] = [x, y, z].map(|i| Pair::widen(o[i], d[i]));
+        Self {
+            axes: [x, y, z],
+            ox: x_of.firsts(x_of),
+            oy: y_of.firsts(y_of),
+            oz: z_of.firsts(z_of),
+            dx: x_of.seconds(x_of),
+            dy: y_of.seconds(y_of),
+            dz: z_of.seconds(z_of),
+        }
     }
 
     /// The axes that are `x`, `y` and `z` of the image.
@@ -59,42 +65,61 @@ impl RaySpace {
 
     /// The images of two points.
     #[inline(always)]
-    pub(crate) fn project(&self, p: Vec3, q: Vec3) -> (Image, Image) {
+    pub(crate) fn project(&self, p: &Vec3, q: &Vec3) -> Images {
         let [x, y, z] = self.axes;
-        let (p, q) = (p.to_array(), q.to_array());
-        let (p_xy, q_xy) = (widen::pair(p[x], p[y]), widen::pair(q[x], q[y]));
-        let [pz, qz] = widen::pair(p[z], q[z]);
-        (self.image(p_xy, pz), self.image(q_xy, qz))
-    }
-
-    #[inline(always)]
-    fn image(&self, [x, y]: [f64; 2], z: f64) -> Image {
-        let [dx, dy, dz] = self.direction;
-        let [ox, oy, oz] = self.origin;
-        let (x, y, z) = (x - ox, y - oy, z - oz);
-        Image { x: x * dz - z * dx, y: y * dz - z * dy, depth: z }
+        let (p, q): (&[f32; 3], &[f32; 3]) = (p.as_ref(), q.as_ref());
+        let Self { ox, oy, oz, dx, dy, dz, .. } = *self;
+        let depth = Pair::widen(p[z], q[z]) - oz;
+        Images {
+            x: (Pair::widen(p[x], q[x]) - ox) * dz - depth * dx,
+            y: (Pair::widen(p[y], q[y]) - oy) * dz - depth * dy,
+            depth,
+        }
     }
 
     /// `t` at a depth.
     #[inline(always)]
     pub(crate) fn t(&self, depth: f64) -> f64 {
-        depth * self.over_dz
+        depth * self.dz.first().recip()
     }
 }
 
-/// Twice the signed area of the triangle (ray, a, b): negated, to the last bit, if `a` and `b` change
-/// places, so that it cannot disagree between two neighbours.
-#[inline]
-pub(crate) fn edge(a: Image, b: Image) -> f64 {
-    a.x * b.y - b.x * a.y
-}
+impl Images {
+    /// The first vertex of both.
+    #[inline(always)]
+    pub(crate) fn firsts(&self, other: &Self) -> Self {
+        let (x, y) = (self.x.firsts(other.x), self.y.firsts(other.y));
+        Self { x, y, depth: self.depth.firsts(other.depth) }
+    }
 
-/// True if the edge from `a` to `b` with the area `area` crosses the positive x axis of the image.
-///
-/// The same for both directions of an edge. A closed outline crosses it an odd number of times exactly
-/// if the ray passes through it an odd number of times. (An end on the axis counts as above it.)
-#[inline]
-pub(crate) fn crosses(a: Image, b: Image, area: f64) -> bool {
-    let (a_above, b_above) = (a.y >= 0.0, b.y >= 0.0);
-    (a_above != b_above) & if b_above { area > 0.0 } else { area < 0.0 }
+    /// The second vertex of both.
+    #[inline(always)]
+    pub(crate) fn seconds(&self, other: &Self) -> Self {
+        let (x, y) = (self.x.seconds(other.x), self.y.seconds(other.y));
+        Self { x, y, depth: self.depth.seconds(other.depth) }
+    }
+
+    /// Both vertices in the other order.
+    #[inline(always)]
+    pub(crate) fn swapped(&self) -> Self {
+        Self { x: self.x.swapped(), y: self.y.swapped(), depth: self.depth.swapped() }
+    }
+
+    /// Twice the signed areas of the triangles (ray, a vertex, the vertex of `to`): negated, to the last
+    /// bit, if the two change places, so that it cannot disagree between two neighbours.
+    #[inline(always)]
+    pub(crate) fn areas(&self, to: &Self) -> Pair {
+        self.x * to.y - to.x * self.y
+    }
+
+    /// Whether the edges to `to`, with these `areas`, cross the positive x axis of the image.
+    ///
+    /// The same for both directions of an edge. A closed outline crosses it an odd number of times exactly
+    /// if the ray passes through it an odd number of times. (An end on the axis counts as above it.)
+    #[inline(always)]
+    pub(crate) fn crosses(&self, to: &Self, areas: Pair) -> Mask {
+        let zero = Pair::splat(0.0);
+        let (above, to_above) = (zero.less_or_equal(self.y), zero.less_or_equal(to.y));
+        above.differs(to_above).and(zero.less(areas.negated_unless(to_above)))
+    }
 }

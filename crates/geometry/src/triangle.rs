@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::float::{accept, round, rounding_error};
-use crate::ray_space::{RaySpace, crosses, edge};
+use crate::pair::{Mask, Pair};
+use crate::queries::{Common, Solve, queries};
+use crate::ray_space::{Images, RaySpace};
 use crate::{Aabb, Hit, Ray};
 
 /// The flat triangle of three points.
@@ -17,71 +19,87 @@ pub struct Triangle {
     pub p2: Vec3,
 }
 
-struct Root {
+pub(crate) struct Root {
     t: f32,
     u: f64,
     v: f64,
 }
 
-impl Triangle {
+/// Where a ray meets two triangles.
+pub(crate) struct Crossings {
+    /// Which of the two it meets; the rest holds for these.
+    pub(crate) exist: Mask,
+    pub(crate) depth: Pair,
+    /// The weights of the second and of the third corner.
+    pub(crate) u: Pair,
+    pub(crate) v: Pair,
+}
+
+impl Crossings {
+    /// From the images of the corners, in the order of each triangle.
+    #[inline(always)]
+    pub(crate) fn of(p0: &Images, p1: &Images, p2: &Images) -> Self {
+        // The weight of each corner is the area that the ray spans with the opposite edge.
+        let (w0, w1, w2) = (p1.areas(p2), p2.areas(p0), p0.areas(p1));
+        let odd = p1.crosses(p2, w0).differs(p2.crosses(p0, w1)).differs(p0.crosses(p1, w2));
+        let (zero, one) = (Pair::splat(0.0), Pair::splat(1.0));
+        let sum = w0 + w1 + w2;
+        let exist = odd.and(zero.less(sum.abs())).and(sum.abs().less(Pair::splat(f64::INFINITY)));
+        let over = one / sum;
+        let depth = (w0 * p0.depth + w1 * p1.depth + w2 * p2.depth) * over;
+        let share = |w: Pair| (w * over).max(zero).min(one);
+        Self { exist, depth, u: share(w1), v: share(w2) }
+    }
+}
+
+queries!(
+    Triangle,
     /// The crossing of the triangle with `t` in `t_min..=t_max`.
-    #[must_use]
-    #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let Root { t, u, v } = self.solve(ray)?;
+);
+
+impl Solve for Triangle {
+    type Root = Root;
+
+    #[inline(always)]
+    fn solve(&self, ray: &Ray) -> Common<Root> {
+        let space = RaySpace::new(ray);
+        let [p0, p1, p2] = [&self.p0, &self.p1, &self.p2].map(|p| space.project(p, p));
+        let found = Crossings::of(&p0, &p1, &p2);
+        if !found.exist.any() {
+            return Common::Miss;
+        }
+        let (u, v) = (found.u.first(), found.v.first());
+        accept(ray, space.t(found.depth.first())).map(|t| Root { t, u, v }).into()
+    }
+
+    #[inline(always)]
+    fn t(root: &Root) -> f32 {
+        root.t
+    }
+
+    #[inline(always)]
+    fn hit(&self, _: &Ray, Root { t, u, v }: Root) -> Hit {
         let position = round(self.at(u, v));
-        Some(Hit {
+        Hit {
             t,
             position,
             error: rounding_error(position),
             normal: round(self.unit_normal()),
             parameters: Vec2::new(u as f32, v as f32),
-        })
-    }
-
-    /// The `t` of [`Self::closest`], the same bits, at less cost.
-    #[must_use]
-    #[inline]
-    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
-        self.solve(ray).map(|root| root.t)
-    }
-
-    /// True if [`Self::closest`] finds a hit.
-    #[must_use]
-    #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.solve(ray).is_some()
-    }
-
-    #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Option<Root> {
-        let space = RaySpace::new(ray);
-        let (p0, p1) = space.project(self.p0, self.p1);
-        let (p2, _) = space.project(self.p2, self.p2);
-        // The weight of each corner is the area that the ray spans with the opposite edge.
-        let (w0, w1, w2) = (edge(p1, p2), edge(p2, p0), edge(p0, p1));
-        if !(crosses(p1, p2, w0) ^ crosses(p2, p0, w1) ^ crosses(p0, p1, w2)) {
-            return None;
         }
-        let sum = w0 + w1 + w2;
-        if !(sum != 0.0 && sum.is_finite()) {
-            return None;
-        }
-        let (u, v) = (w1 / sum, w2 / sum);
-        let depth = (w0 * p0.depth + w1 * p1.depth + w2 * p2.depth) / sum;
-        let t = accept(ray, space.t(depth))?;
-        Some(Root { t, u: u.clamp(0.0, 1.0), v: v.clamp(0.0, 1.0) })
     }
+}
 
+impl Triangle {
     #[inline]
-    fn at(&self, u: f64, v: f64) -> DVec3 {
+    pub(crate) fn at(&self, u: f64, v: f64) -> DVec3 {
         let (p0, p1, p2) = (self.p0.as_dvec3(), self.p1.as_dvec3(), self.p2.as_dvec3());
         // The rounded u + v may exceed 1; the point must not leave the triangle's box.
         (1.0 - u - v).max(0.0) * p0 + u * p1 + v * p2
     }
 
     #[inline]
-    fn unit_normal(&self) -> DVec3 {
+    pub(crate) fn unit_normal(&self) -> DVec3 {
         let p0 = self.p0.as_dvec3();
         (self.p1.as_dvec3() - p0).cross(self.p2.as_dvec3() - p0).normalize_or(DVec3::Z)
     }

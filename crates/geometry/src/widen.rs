@@ -8,22 +8,11 @@
 use glam::{DVec3, Vec3};
 
 use crate::Ray;
+use crate::pair::Pair;
 
-/// Two numbers.
 #[inline(always)]
-pub(crate) fn pair(x: f32, y: f32) -> [f64; 2] {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use core::arch::x86_64::{_mm_cvtps_pd, _mm_cvtsd_f64, _mm_set_ps, _mm_unpackhi_pd};
-        #[expect(unsafe_code, reason = "calls of functions that need a processor feature")]
-        // SAFETY: they need SSE2 and nothing else, and every x86-64 processor has SSE2.
-        unsafe {
-            let both = _mm_cvtps_pd(_mm_set_ps(0.0, 0.0, y, x));
-            [_mm_cvtsd_f64(both), _mm_cvtsd_f64(_mm_unpackhi_pd(both, both))]
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    [f64::from(x), f64::from(y)]
+fn pair(x: f32, y: f32) -> [f64; 2] {
+    Pair::widen(x, y).to_array()
 }
 
 /// A point and its radius.

@@ -1,15 +1,18 @@
 //! Nanoseconds of one test: a call that is not inlined and returns t, position and normal.
 //!
-//! The methods take turns, round by round, so that whatever slows the machine down slows all of them;
-//! the median over the rounds is reported, and how far the middle half of them spreads. The loop
-//! around the call is part of the time and reported by itself as the method that does nothing.
+//! The clock is the processor time of the thread, so what other programs take is not counted; what they
+//! do to the caches is. The methods take turns, round by round, so that whatever slows the machine down
+//! slows all of them; the median over the rounds is reported, and how far the middle half of them
+//! spreads. The loop around the call is part of the time and reported by itself as the method that does
+//! nothing.
 //!
 //! A processor learns the branches of rays that come again and again. Most figures in print are of that
 //! kind, and so are `mixed`, `hits` and `misses`; `fresh` is of rays that come once in a round, in far
 //! greater number than a predictor remembers, which is what a renderer sees.
 
-use std::{hint::black_box, time::Instant};
+use std::hint::black_box;
 
+use cpu_time::ThreadTime;
 use rotund_geometry::{Hit, Ray};
 use serde::Serialize;
 
@@ -145,7 +148,7 @@ fn shuffled<S: Measured>(a: &[(S, Ray)], b: &[(S, Ray)], seed: u64) -> Vec<(S, R
 
 /// Nanoseconds a call of `test`, which calls a function that the compiler does not know.
 fn sweep<T, R>(inputs: &[T], sweeps: usize, test: impl Fn(&T) -> R) -> f64 {
-    let start = Instant::now();
+    let start = ThreadTime::now();
     for _ in 0..sweeps {
         for input in inputs {
             black_box(test(black_box(input)));

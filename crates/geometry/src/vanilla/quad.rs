@@ -2,6 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::float::{accept, round, rounding_error};
+use crate::queries::{Common, Solve, queries};
+use crate::ray_space::RaySpace;
+use crate::triangle::Crossings;
 use crate::{Aabb, Hit, Ray, Triangle};
 
 /// The triangles `p0 p1 p3` and `p2 p3 p1`, which share the diagonal `p1 p3`.
@@ -15,6 +19,62 @@ pub struct Quad {
     pub p2: Vec3,
     /// The corner `u = 0, v = 1`.
     pub p3: Vec3,
+}
+
+pub(crate) struct Root {
+    t: f32,
+    u: f64,
+    v: f64,
+    /// Whether the second triangle is hit.
+    second: bool,
+}
+
+queries!(
+    Quad,
+    /// The first crossing with `t` in `t_min..=t_max`.
+);
+
+impl Solve for Quad {
+    type Root = Root;
+
+    #[inline(always)]
+    fn solve(&self, ray: &Ray) -> Common<Root> {
+        let space = RaySpace::new(ray);
+        // Of the first triangle, and of the second.
+        let (p0, p1) = (space.project(&self.p0, &self.p2), space.project(&self.p1, &self.p3));
+        let Crossings { exist, depth, u, v } = Crossings::of(&p0, &p1, &p1.swapped());
+        let exist = exist.bits();
+        if exist == 0 || !self.is_finite() {
+            return Common::Miss;
+        }
+        let [first, second] = depth.to_array().map(|depth| accept(ray, space.t(depth)));
+        let (first, second) = (first.filter(|_| exist & 1 != 0), second.filter(|_| exist & 2 != 0));
+        let (t, second) = match (first, second) {
+            (Some(first), Some(second)) => (Some(first.min(second)), second < first),
+            (first, second) => (first.or(second), first.is_none()),
+        };
+        let [u, v] = if second { [u.second(), v.second()] } else { [u.first(), v.first()] };
+        t.map(|t| Root { t, u, v, second }).into()
+    }
+
+    #[inline(always)]
+    fn t(root: &Root) -> f32 {
+        root.t
+    }
+
+    #[inline(always)]
+    fn hit(&self, _: &Ray, Root { t, u, v, second }: Root) -> Hit {
+        let triangle = if second { self.second() } else { self.first() };
+        let position = round(triangle.at(u, v));
+        let uv = Vec2::new(u as f32, v as f32);
+        Hit {
+            t,
+            position,
+            error: rounding_error(position),
+            normal: round(triangle.unit_normal()),
+            parameters: if second { Vec2::ONE - uv } else { uv },
+        }
+    }
 }
 
 impl Quad {
@@ -32,44 +92,6 @@ impl Quad {
         // An infinity times zero is a NaN, and so is all that it is added to.
         let sum = (self.p0 + self.p1 * 0.0) * 0.0 + (self.p2 * 0.0 + self.p3 * 0.0);
         sum == Vec3::ZERO
-    }
-
-    /// The first crossing with `t` in `t_min..=t_max`.
-    #[must_use]
-    #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        if !self.is_finite() {
-            return None;
-        }
-        let first = self.first().closest(ray);
-        let second = self.second().closest(ray).map(|mut hit| {
-            hit.parameters = Vec2::ONE - hit.parameters;
-            hit
-        });
-        match (first, second) {
-            (Some(first), Some(second)) => Some(if second.t < first.t { second } else { first }),
-            (first, second) => first.or(second),
-        }
-    }
-
-    /// The `t` of [`Self::closest`], the same bits, at less cost.
-    #[must_use]
-    #[inline]
-    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
-        if !self.is_finite() {
-            return None;
-        }
-        match (self.first().closest_t(ray), self.second().closest_t(ray)) {
-            (Some(first), Some(second)) => Some(first.min(second)),
-            (first, second) => first.or(second),
-        }
-    }
-
-    /// True if [`Self::closest`] finds a hit.
-    #[must_use]
-    #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.is_finite() && (self.first().any(ray) || self.second().any(ray))
     }
 
     /// A box that holds both triangles, and every position that [`Self::closest`] reports.
