@@ -9,7 +9,7 @@ use crate::kinds::{Kind, KindArgs, enhance};
 use crate::output::{prepare_folder, write_text};
 use crate::picture::{Picture, write_png};
 use crate::report::{self, Report, Timing};
-use crate::scene_source::{NamedScene, load};
+use crate::scene_source::{LoadArgs, NamedScene, load};
 use crate::shot::{Shot, ShotArgs, take};
 use anyhow::Result;
 use rotund_trace::Options;
@@ -38,10 +38,12 @@ pub(crate) struct Args {
     kinds: KindArgs,
     #[command(flatten)]
     shot: ShotArgs,
+    #[command(flatten)]
+    loading: LoadArgs,
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let mut scene = load(&args.scene)?;
+    let mut scene = load(&args.scene, &args.loading)?;
     let (camera, options) = args.shot.resolve(&scene)?;
     let folder = args.out.unwrap_or_else(|| Path::new("out").join(&scene.name));
     prepare_folder(&folder)?;

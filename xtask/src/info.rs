@@ -1,7 +1,7 @@
 //! `info <scene>`: what a scene holds, without rendering it.
 
 use crate::console::{Table, say};
-use crate::scene_source::load;
+use crate::scene_source::{LoadArgs, load};
 use anyhow::Result;
 use rotund_scene::{ElementKind, Method, Shape};
 
@@ -16,10 +16,12 @@ Examples:
 pub(crate) struct Args {
     /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
     scene: String,
+    #[command(flatten)]
+    loading: LoadArgs,
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let loaded = load(&args.scene)?;
+    let loaded = load(&args.scene, &args.loading)?;
     let scene = &loaded.scene;
     say(format!(
         "{}: {} environments, {} textures, {} materials, {} instances",

@@ -4,7 +4,7 @@ use crate::console::say;
 use crate::kinds::{KindArgs, enhance};
 use crate::output::check_image_file;
 use crate::progress::rays_per_second;
-use crate::scene_source::load;
+use crate::scene_source::{LoadArgs, load};
 use crate::shot::{ShotArgs, take};
 use anyhow::Result;
 use std::path::PathBuf;
@@ -40,11 +40,13 @@ pub(crate) struct Args {
     kinds: KindArgs,
     #[command(flatten)]
     shot: ShotArgs,
+    #[command(flatten)]
+    loading: LoadArgs,
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
     check_image_file(&args.out)?;
-    let mut scene = load(&args.scene)?;
+    let mut scene = load(&args.scene, &args.loading)?;
     let (camera, options) = args.shot.resolve(&scene)?;
     let (label, kinds) = match args.mode {
         Mode::Vanilla => ("vanilla", Vec::new()),

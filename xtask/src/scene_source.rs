@@ -2,7 +2,7 @@
 
 use crate::workspace;
 use anyhow::{Context, Result, anyhow, bail};
-use rotund_scene::{LoadOptions, Scene};
+use rotund_scene::{LoadError, LoadOptions, Scene};
 use std::path::{Path, PathBuf};
 
 /// A scene and what to call it.
@@ -13,13 +13,49 @@ pub(crate) struct NamedScene {
     pub(crate) scene: Scene,
 }
 
+/// What to allow and what to bear with while loading.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct LoadArgs {
+    /// Radius in meters of the points and lines of a lone PLY or OBJ file, instead of its own radii or half
+    /// the usual distance between neighbours.
+    #[arg(long, value_name = "METERS", value_parser = radius)]
+    radius: Option<f32>,
+    /// Take what cannot be read of textures as white, and say so, instead of giving up.
+    #[arg(long)]
+    keep_going: bool,
+    /// Let the scene name files outside its own folder: only for scenes that you trust.
+    #[arg(long)]
+    allow_outside: bool,
+}
+
+fn radius(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(radius) if radius > 0.0 && f32::is_finite(radius) => Ok(radius),
+        _ => Err("a radius is a positive number of meters".to_owned()),
+    }
+}
+
+impl LoadArgs {
+    /// As the library takes them.
+    pub(crate) fn options(&self) -> LoadOptions {
+        LoadOptions {
+            allow_outside_folder: self.allow_outside,
+            keep_going: self.keep_going,
+            radius: self.radius,
+        }
+    }
+}
+
 /// Loads a scene: the name of one that comes with the workspace, or the path of a JSON, PLY or OBJ file. What is
 /// odd about it but no error goes to standard error.
 #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
-pub(crate) fn load(name_or_path: &str) -> Result<NamedScene> {
+pub(crate) fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
     let path = locate(name_or_path)?;
     // The text of a load error already tells its cause, so the chain would say it twice.
-    let loaded = rotund_scene::load(&path, &LoadOptions::default()).map_err(|e| anyhow!("{e}"))?;
+    let loaded = rotund_scene::load(&path, &args.options()).map_err(|error| match error {
+        LoadError::OutsideFolder { .. } => anyhow!("{error}: --allow-outside"),
+        error => anyhow!("{error}"),
+    })?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }

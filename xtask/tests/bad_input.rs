@@ -83,7 +83,7 @@ fn a_bad_scene_is_refused_with_its_file_and_field() {
     };
     let (negative, not_a_number) = (sphere("-1"), sphere("nan"));
     type Case<'a> = (&'a str, &'a str, &'a str, &'a str, &'a [&'a str]);
-    let table: [Case<'_>; 12] = [
+    let table: [Case<'_>; 11] = [
         // why                     in the scene          becomes              the shape
         ("missing shape", "one.ply", "two.ply", TRIANGLE, &["two.ply", "shapes[0]"]),
         (
@@ -114,13 +114,6 @@ fn a_bad_scene_is_refused_with_its_file_and_field() {
         ("negative radius", "", "", &negative, &["one.ply", "vertex 0", "radius", "-1"]),
         ("NaN radius", "", "", &not_a_number, &["one.ply", "vertex 0", "radius"]),
         ("no shape at all", "", "", "", &["one.ply"]),
-        (
-            "no camera",
-            "{ \"name\": \"front\", \"frame\": [1,0,0, 0,1,0, 0,0,1, 0,0,2] }",
-            "",
-            TRIANGLE,
-            &["camera"],
-        ),
     ];
     for (why, from, to, ply, words) in table {
         let (folder, _) = scene(from, to, ply);

@@ -5,7 +5,18 @@ use crate::LoadError;
 use std::path::Path;
 
 /// Refuses numbers that no scene can mean, naming the field.
-pub(super) fn check(path: &Path, file: &SceneFile) -> Result<(), LoadError> {
+pub(super) fn check(
+    path: &Path,
+    file: &SceneFile,
+    warnings: &mut Vec<String>,
+) -> Result<(), LoadError> {
+    let version = file.asset.version.to_string();
+    if !["null", "4.0", "4.1", "4.2", "4.3", "5.0"].contains(&version.trim_matches('"')) {
+        warnings.push(format!(
+            "{}: asset.version is {version}, which is not known; read as 5.0",
+            path.display()
+        ));
+    }
     let checker = Checker { path };
     for (i, (_, camera)) in file.cameras.items.iter().enumerate() {
         let field = |name: &str| format!("cameras[{i}].{name}");
@@ -23,6 +34,9 @@ pub(super) fn check(path: &Path, file: &SceneFile) -> Result<(), LoadError> {
     for (i, (_, environment)) in file.environments.items.iter().enumerate() {
         let field = |name: &str| format!("environments[{i}].{name}");
         checker.frame(field("frame"), environment.frame)?;
+        if let Some(lookat) = environment.lookat {
+            checker.lookat(field("lookat"), lookat.frame())?;
+        }
         checker.color(field("emission"), environment.emission)?;
     }
     for (i, (_, material)) in file.materials.items.iter().enumerate() {
@@ -83,18 +97,8 @@ impl Checker<'_> {
             .try_for_each(|c| self.number(field.clone(), c, NOT_NEGATIVE, |x| x >= 0.0))
     }
 
-    /// A frame has to have an inverse that `f32` can hold.
-    fn frame(&self, field: String, Frame(frame): Frame) -> Result<(), LoadError> {
-        let determinant = frame.matrix3.determinant();
-        if frame.is_finite() && determinant != 0.0 && frame.inverse().is_finite() {
-            return Ok(());
-        }
-        Err(LoadError::Value {
-            path: self.path.to_owned(),
-            field,
-            value: format!("{:?}", frame.to_cols_array()),
-            expected: "a frame with three independent axes",
-        })
+    fn frame(&self, field: String, frame: Frame) -> Result<(), LoadError> {
+        self::frame(self.path, || field, frame)
     }
 
     fn lookat(&self, field: String, frame: glam::Affine3A) -> Result<(), LoadError> {
@@ -108,6 +112,24 @@ impl Checker<'_> {
             expected: "an eye, a centre apart from it, and an up vector across",
         })
     }
+}
+
+/// Refuses a frame without an inverse that `f32` can hold.
+pub(super) fn frame(
+    path: &Path,
+    field: impl FnOnce() -> String,
+    Frame(frame): Frame,
+) -> Result<(), LoadError> {
+    let determinant = frame.matrix3.determinant();
+    if frame.is_finite() && determinant != 0.0 && frame.inverse().is_finite() {
+        return Ok(());
+    }
+    Err(LoadError::Value {
+        path: path.to_owned(),
+        field: field(),
+        value: format!("{:?}", frame.to_cols_array()),
+        expected: "a frame with three independent axes",
+    })
 }
 
 /// `materials.3.shine` as `materials[].shine`.

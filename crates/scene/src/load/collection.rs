@@ -1,6 +1,8 @@
 //! Arrays of a scene file, and references into them: by index, or by name in older files.
 
-use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{
+    Deserialize, Deserializer, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer,
+};
 use std::{fmt, marker::PhantomData};
 
 /// An array, or an object whose keys are names.
@@ -48,7 +50,44 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Collection<T> {
     }
 }
 
-/// An index, or a name. yocto-gl writes -1 for no reference.
+/// A collection of which an item may be only the name of a file.
+pub(super) fn items_or_files<'de, D, T>(deserializer: D) -> Result<Collection<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de> + From<String>,
+{
+    struct Item<T>(T);
+
+    impl<'de, T: Deserialize<'de> + From<String>> Deserialize<'de> for Item<T> {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            struct Either<T>(PhantomData<T>);
+
+            impl<'de, T: Deserialize<'de> + From<String>> Visitor<'de> for Either<T> {
+                type Value = T;
+
+                fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                    f.write_str("an object or the name of a file")
+                }
+
+                fn visit_str<E>(self, name: &str) -> Result<T, E> {
+                    Ok(T::from(name.to_owned()))
+                }
+
+                fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+                    T::deserialize(MapAccessDeserializer::new(map))
+                }
+            }
+
+            deserializer.deserialize_any(Either(PhantomData)).map(Self)
+        }
+    }
+
+    let collection = Collection::<Item<T>>::deserialize(deserializer)?;
+    let items = collection.items.into_iter().map(|(key, item)| (key, item.0)).collect();
+    Ok(Collection { items })
+}
+
+/// An index, or a name. yocto-gl writes -1, or no name, for no reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Reference {
     Index(i64),

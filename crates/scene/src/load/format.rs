@@ -1,6 +1,6 @@
 //! The scene file as it is written: a mirror for serde, with every default of the format.
 
-use super::collection::{Collection, Reference};
+use super::collection::{Collection, Reference, items_or_files};
 use crate::{Method, generate};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use serde::{Deserialize, Deserializer};
@@ -13,18 +13,22 @@ pub(super) struct SceneFile {
     pub method: Option<MethodFile>,
     pub cameras: Collection<CameraFile>,
     pub environments: Collection<EnvironmentFile>,
+    #[serde(deserialize_with = "items_or_files")]
     pub textures: Collection<TextureFile>,
     pub materials: Collection<MaterialFile>,
+    #[serde(deserialize_with = "items_or_files")]
     pub shapes: Collection<ShapeFile>,
     pub subdivs: Collection<SubdivFile>,
-    #[serde(alias = "objects")]
     pub instances: Collection<InstanceFile>,
+    /// More instances, in files of version 4.0.
+    pub objects: Collection<InstanceFile>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct AssetFile {
-    pub version: Option<String>,
+    /// A text, but some write a number.
+    pub version: serde_json::Value,
     /// Known, so that nobody is warned; what it says matters to people only. Not `IgnoredAny`, which
     /// counts as unknown.
     #[serde(rename = "copyright")]
@@ -55,6 +59,7 @@ pub(super) struct CameraFile {
     pub name: String,
     pub frame: Frame,
     pub lookat: Option<LookAt>,
+    #[serde(alias = "ortho")]
     pub orthographic: bool,
     pub lens: f32,
     pub film: f32,
@@ -77,6 +82,7 @@ impl Default for CameraFile {
 pub(super) struct EnvironmentFile {
     pub name: String,
     pub frame: Frame,
+    pub lookat: Option<LookAt>,
     pub emission: [f32; 3],
     pub emission_tex: Option<Reference>,
 }
@@ -86,6 +92,8 @@ pub(super) struct EnvironmentFile {
 pub(super) struct TextureFile {
     pub name: String,
     pub uri: Option<String>,
+    /// In the folder `textures`, in files of version 4.1.
+    pub datafile: Option<String>,
     pub generator: Option<generate::Image>,
 }
 
@@ -155,18 +163,33 @@ impl Default for MaterialFile {
 pub(super) struct ShapeFile {
     pub name: String,
     pub uri: Option<String>,
+    /// In the folder `shapes`, in files of version 4.1.
+    pub datafile: Option<String>,
     pub generator: Option<generate::Geometry>,
     pub method: Option<MethodFile>,
+}
+
+impl From<String> for TextureFile {
+    fn from(datafile: String) -> Self {
+        Self { datafile: Some(datafile), ..Self::default() }
+    }
+}
+
+impl From<String> for ShapeFile {
+    fn from(datafile: String) -> Self {
+        Self { datafile: Some(datafile), ..Self::default() }
+    }
 }
 
 /// A control mesh, whose subdivision takes the place of a shape.
 #[derive(Debug, Deserialize)]
 #[serde(default)]
 pub(super) struct SubdivFile {
-    #[serde(rename = "name")]
-    _name: serde_json::Value,
+    pub name: String,
     pub shape: Option<Reference>,
     pub uri: Option<String>,
+    /// In the folder `subdivs`, in files of version 4.1.
+    pub datafile: Option<String>,
     pub generator: Option<generate::Geometry>,
     pub subdivisions: u32,
     pub catmullclark: bool,
@@ -178,9 +201,10 @@ pub(super) struct SubdivFile {
 impl Default for SubdivFile {
     fn default() -> Self {
         Self {
-            _name: serde_json::Value::Null,
+            name: String::new(),
             shape: None,
             uri: None,
+            datafile: None,
             generator: None,
             subdivisions: 0,
             catmullclark: true,
@@ -199,6 +223,9 @@ pub(super) struct InstanceFile {
     pub lookat: Option<LookAt>,
     pub shape: Option<Reference>,
     pub material: Option<Reference>,
+    /// The name of a PLY file of frames in the folder `instances`, in files of version 4.0: one instance
+    /// becomes as many as there are.
+    pub instance: Option<String>,
 }
 
 /// Twelve numbers, flat or in four vectors: the axes x, y and z, and the origin.

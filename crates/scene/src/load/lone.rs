@@ -68,14 +68,39 @@ fn default_radius(positions: &[Vec3]) -> f32 {
     nearest.get(nearest.len() / 2).map_or(mesh::DEFAULT_RADIUS, |distance| 0.5 * distance)
 }
 
-fn around(shape: Shape, bounds: Aabb) -> Scene {
-    let thickest = shape.radii.iter().copied().fold(0.0, f32::max).min(LARGEST);
-    let center = bounds.center();
-    // A lone point has an extent as well; and no scene is so small that f32 gives out.
-    let extent = (0.5 * (bounds.max - bounds.min)).length() + thickest;
-    let extent = extent.max(center.abs().max_element() * 1e-3).max(1e-6);
-    let floor_height = bounds.min.y - thickest;
+/// A camera that sees all instances; `None` if there are none, or if they lie beyond what `f32` frames.
+pub(super) fn camera_for(scene: &Scene) -> Option<Camera> {
+    let mut bounds = Aabb::EMPTY;
+    let mut thickest = 0.0_f32;
+    for instance in &scene.instances {
+        let shape = &scene.shapes[instance.shape as usize];
+        let frame = instance.world_from_object;
+        let around = Aabb::from_points(shape.positions.iter().copied());
+        for corner in 0..8_u32 {
+            let pick = |axis: u32| if corner >> axis & 1 == 0 { around.min } else { around.max };
+            let corner = Vec3::new(pick(0).x, pick(1).y, pick(2).z);
+            bounds = bounds.union(Aabb::from_points([frame.transform_point3(corner)]));
+        }
+        let axes = frame.matrix3;
+        let stretch = axes.x_axis.length() + axes.y_axis.length() + axes.z_axis.length();
+        thickest = thickest.max(stretch * thickest_of(shape));
+    }
+    let fits = bounds.min.abs().max(bounds.max.abs()).max_element() <= LARGEST;
+    fits.then(|| camera_around(bounds, extent(bounds, thickest.min(LARGEST))))
+}
 
+fn thickest_of(shape: &Shape) -> f32 {
+    shape.radii.iter().copied().fold(0.0, f32::max).min(LARGEST)
+}
+
+/// The radius of a ball about the middle of `bounds` that holds them. A lone point has an extent as well;
+/// and no scene is so small that f32 gives out.
+fn extent(bounds: Aabb, thickest: f32) -> f32 {
+    let extent = (0.5 * (bounds.max - bounds.min)).length() + thickest;
+    extent.max(bounds.center().abs().max_element() * 1e-3).max(1e-6)
+}
+
+fn camera_around(bounds: Aabb, extent: f32) -> Camera {
     let camera = Camera { name: "default".to_owned(), ..Camera::default() };
     // Half the shorter side of the film over the lens is the tangent of half the field of view; stand
     // where the ball around the shape fills most of it.
@@ -83,14 +108,22 @@ fn around(shape: Shape, bounds: Aabb) -> Scene {
     let distance = 1.1 * extent * (1.0 + tangent * tangent).sqrt() / tangent;
     let z = Vec3::new(0.4, 0.45, 1.0).normalize();
     let x = Vec3::Y.cross(z).normalize();
-    let camera = Camera {
+    Camera {
         world_from_camera: Affine3A {
             matrix3: Mat3A::from_cols(x.into(), z.cross(x).into(), z.into()),
-            translation: (center + distance * z).into(),
+            translation: (bounds.center() + distance * z).into(),
         },
         focus: distance,
         ..camera
-    };
+    }
+}
+
+fn around(shape: Shape, bounds: Aabb) -> Scene {
+    let thickest = thickest_of(&shape);
+    let center = bounds.center();
+    let extent = extent(bounds, thickest);
+    let floor_height = bounds.min.y - thickest;
+    let camera = camera_around(bounds, extent);
     let built = "constant parameters that fit";
     let floor = generate::Geometry::floor(40.0 * extent, 80.0).build().expect(built);
     let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));

@@ -7,10 +7,11 @@ mod error;
 mod file;
 mod format;
 mod image;
-mod implicit;
 mod lone;
 mod mesh;
 mod obj;
+mod older;
+mod placements;
 mod ply;
 mod resolve;
 mod subdivide;
@@ -43,8 +44,9 @@ pub struct Loaded {
     pub warnings: Vec<String>,
 }
 
-/// Loads a scene of yocto-gl, version 4, with the files that it names: PLY and OBJ for shapes and
-/// control meshes; PNG, JPEG, HDR and EXR for textures. A shape by itself becomes a scene with a camera, a floor and a sky around it.
+/// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for shapes
+/// and control meshes; PNG, JPEG, HDR and EXR for textures. A shape by itself becomes a scene with a
+/// camera, a floor and a sky around it; a scene without a camera gets one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// whatever they claim to hold.
@@ -59,12 +61,21 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
     }
     let bytes = file::read(path, &NamedBy::default())?;
     let mut warnings = Vec::new();
+    if options.radius.is_some() {
+        let path = path.display();
+        warnings
+            .push(format!("{path}: a radius is for lone PLY and OBJ files, and changes nothing"));
+    }
     let mut file = parse(path, &bytes, &mut warnings)?;
-    implicit::add(path, &mut file);
-    check::check(path, &file)?;
+    older::spell_out(path, &mut file);
+    check::check(path, &file, &mut warnings)?;
+    placements::expand(path, &mut file, options)?;
     let mut scene = resolve::resolve(path, &file, &mut warnings)?;
     scene.textures = assets::textures(path, &file, options, &mut warnings)?;
     scene.shapes = assets::shapes(path, &file, options, &scene.textures, &mut warnings)?;
+    if scene.cameras.is_empty() {
+        scene.cameras.extend(lone::camera_for(&scene));
+    }
     Ok(Loaded { scene, warnings })
 }
 

@@ -26,9 +26,11 @@ pub(super) fn resolve(
             lens: camera.lens,
             film: camera.film,
             aspect: camera.aspect,
+            // What is looked at is in focus, whatever else is said.
             focus: camera
-                .focus
-                .or(camera.lookat.map(|lookat| lookat.distance()))
+                .lookat
+                .map(|lookat| lookat.distance())
+                .or(camera.focus)
                 .unwrap_or(default.focus),
             aperture: camera.aperture,
         });
@@ -36,7 +38,9 @@ pub(super) fn resolve(
     for (i, (key, environment)) in file.environments.items.iter().enumerate() {
         scene.environments.push(Environment {
             name: key.clone().unwrap_or_else(|| environment.name.clone()),
-            world_from_environment: environment.frame.0,
+            world_from_environment: environment
+                .lookat
+                .map_or(environment.frame.0, |lookat| lookat.frame()),
             emission: environment.emission.into(),
             emission_tex: textures.optional(
                 &|| format!("environments[{i}].emission_tex"),
@@ -167,14 +171,15 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// yocto-gl writes -1 for "none".
     fn optional(
         &self,
         field: &dyn Fn() -> String,
         reference: Option<&Reference>,
     ) -> Result<Option<u32>, LoadError> {
         match reference {
-            None | Some(Reference::Index(-1)) => Ok(None),
+            None => Ok(None),
+            Some(Reference::Index(-1)) => Ok(None),
+            Some(Reference::Name(name)) if name.is_empty() => Ok(None),
             Some(reference) => self.find(field, reference).map(Some),
         }
     }

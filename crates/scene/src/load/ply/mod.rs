@@ -8,10 +8,13 @@
 //! Source: G. Turk, "The PLY polygon file format", 1994, with the names of properties that yocto-gl
 //! writes.
 
+mod frames;
 mod header;
 mod input;
 mod rows;
 mod vertices;
+
+pub(super) use frames::read_frames;
 
 use super::mesh::Mesh;
 use crate::LoadError;

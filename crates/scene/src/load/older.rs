@@ -1,0 +1,109 @@
+//! What older versions of the format say otherwise or leave unsaid, told as version 4.2 tells it.
+//!
+//! | version | arrays | shapes, textures and control meshes | references |
+//! | --- | --- | --- | --- |
+//! | 4.0, without a number | objects, keyed by name | not listed: a name is a file in a folder of its kind | by name |
+//! | 4.1 | objects, keyed by name | a `datafile`, or only its name, in a folder of its kind | by name |
+//! | 4.2, 4.3, 5.0 | arrays | a `uri` from the folder of the scene | by index |
+//!
+//! Forms may be mixed, as in real files.
+
+use super::{
+    collection::{Collection, Reference},
+    format::{SceneFile, ShapeFile, TextureFile},
+};
+use std::{collections::HashSet, path::Path};
+
+const SHAPES: &[&str] = &["ply", "obj"];
+const TEXTURES: &[&str] = &["hdr", "exr", "png", "jpg"];
+
+/// Says everything as version 4.2 does, except for references by name.
+pub(super) fn spell_out(path: &Path, file: &mut SceneFile) {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    file.instances.items.append(&mut file.objects.items);
+    for (_, shape) in &mut file.shapes.items {
+        in_folder("shapes", shape.datafile.take(), &mut shape.uri);
+    }
+    for (_, texture) in &mut file.textures.items {
+        in_folder("textures", texture.datafile.take(), &mut texture.uri);
+    }
+    for (key, subdiv) in &mut file.subdivs.items {
+        in_folder("subdivs", subdiv.datafile.take(), &mut subdiv.uri);
+        if subdiv.uri.is_none() && subdiv.generator.is_none() {
+            subdiv.uri = find(folder, "subdivs", key.as_ref().unwrap_or(&subdiv.name), SHAPES);
+        }
+    }
+    list_what_is_only_named(folder, file);
+}
+
+/// A `uri` for a `datafile`, unless there is one.
+fn in_folder(folder: &str, datafile: Option<String>, uri: &mut Option<String>) {
+    if let (Some(name), None) = (datafile, &uri) {
+        *uri = Some(format!("{folder}/{name}"));
+    }
+}
+
+/// Adds a shape or texture for each name that nothing in the file has.
+fn list_what_is_only_named(folder: &Path, file: &mut SceneFile) {
+    let mut shapes: Vec<_> =
+        file.instances.items.iter().filter_map(|(_, instance)| instance.shape.clone()).collect();
+    let of_subdivs: Vec<_> =
+        file.subdivs.items.iter().filter_map(|(_, subdiv)| subdiv.shape.clone()).collect();
+    shapes.extend(of_subdivs.iter().cloned());
+    for name in missing(shapes, &file.shapes, |shape| &shape.name) {
+        let uri = find(folder, "shapes", &name, SHAPES);
+        // The shape of a subdivision needs no file of its own.
+        if uri.is_some() || of_subdivs.contains(&Reference::Name(name.clone())) {
+            let shape = ShapeFile { uri, ..ShapeFile::default() };
+            file.shapes.items.push((Some(name), shape));
+        }
+    }
+    let mut textures = Vec::new();
+    for (_, environment) in &file.environments.items {
+        textures.extend(environment.emission_tex.clone());
+    }
+    for (_, subdiv) in &file.subdivs.items {
+        textures.extend(subdiv.displacement_tex.clone());
+    }
+    for (_, material) in &file.materials.items {
+        textures.extend(material.emission_tex.clone());
+        textures.extend(material.color_tex.clone());
+        textures.extend(material.roughness_tex.clone());
+        textures.extend(material.normal_tex.clone());
+    }
+    for name in missing(textures, &file.textures, |texture| &texture.name) {
+        let uri = find(folder, "textures", &name, TEXTURES);
+        if uri.is_some() {
+            let texture = TextureFile { uri, ..TextureFile::default() };
+            file.textures.items.push((Some(name), texture));
+        }
+    }
+}
+
+/// The names, each once, that no item has.
+fn missing<T>(
+    references: Vec<Reference>,
+    collection: &Collection<T>,
+    name_of: impl Fn(&T) -> &String,
+) -> Vec<String> {
+    let named = collection.items.iter().map(|(key, item)| key.as_ref().unwrap_or(name_of(item)));
+    let mut known: HashSet<&str> = named.map(String::as_str).collect();
+    let mut names = Vec::new();
+    for reference in &references {
+        if let Reference::Name(name) = reference
+            && known.insert(name)
+        {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
+/// Names with a separator in them are no names of files in a folder.
+fn find(folder: &Path, kind: &str, name: &str, extensions: &[&str]) -> Option<String> {
+    if name.is_empty() || name.contains(['/', '\\']) {
+        return None;
+    }
+    let mut candidates = extensions.iter().map(|extension| format!("{kind}/{name}.{extension}"));
+    candidates.find(|uri| folder.join(uri).is_file())
+}

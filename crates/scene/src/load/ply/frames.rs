@@ -1,0 +1,43 @@
+//! The frames of instances in a PLY file.
+
+use super::{header, input::Input, rows::Rows};
+use crate::LoadError;
+use glam::Affine3A;
+use std::{io::BufRead, path::Path};
+
+/// The axes x, y and z, and the origin.
+const COLUMNS: [&str; 12] =
+    ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz", "ox", "oy", "oz"];
+
+/// Reads the element `instance`, of twelve numbers each.
+pub(in crate::load) fn read_frames<R: BufRead>(
+    path: &Path,
+    reader: R,
+    length: u64,
+) -> Result<Vec<Affine3A>, LoadError> {
+    let mut input = Input::new(path.to_owned(), reader, length);
+    let header = header::read(&mut input)?;
+    let mut frames = Vec::new();
+    let mut found = false;
+    for element in &header.elements {
+        super::check_size(&input, element, header.encoding)?;
+        let mut rows = Rows::new(&mut input, element, header.encoding, 0);
+        let column = |name: &str| COLUMNS.iter().position(|column| *column == name);
+        let columns: Vec<_> = element.properties.iter().map(|p| column(&p.name)).collect();
+        let complete = (0..COLUMNS.len()).all(|column| columns.contains(&Some(column)));
+        if element.name == "instance" && complete {
+            found = true;
+            rows.for_each_row::<12>(&columns, |row| frames.push(Affine3A::from_cols_array(row)))?;
+        } else {
+            rows.skip()?;
+        }
+    }
+    if found {
+        return Ok(frames);
+    }
+    Err(LoadError::PlyHeader {
+        path: path.to_owned(),
+        line: 1,
+        problem: format!("no element instance with the properties {}", COLUMNS.join(" ")),
+    })
+}

@@ -1,0 +1,206 @@
+//! Every version of the scene format, in the form in which yocto-gl wrote it.
+
+use rotund_geometry::glam::{Vec3, vec2, vec3};
+use rotund_scene::{Elements, LoadOptions, Loaded, MaterialKind, load};
+use std::{fs, path::Path};
+use tempfile::TempDir;
+
+const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+    property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+    0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+
+/// Files of all the folders, and `scene.json`.
+fn folder(scene: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(path, content).expect("writes the file");
+    };
+    write("shapes/floor.ply", TRIANGLE.as_bytes());
+    write("shapes/thing.obj", QUAD.as_bytes());
+    write("subdivs/monkey.obj", QUAD.as_bytes());
+    write("subdivs/control.ply", TRIANGLE.as_bytes());
+    let frames = "ply\nformat ascii 1.0\nelement instance 2\nproperty float xx\nproperty float xy\n\
+        property float xz\nproperty float yx\nproperty float yy\nproperty float yz\nproperty float zx\n\
+        property float zy\nproperty float zz\nproperty float ox\nproperty float oy\nproperty float oz\n\
+        end_header\n1 0 0 0 1 0 0 0 1 5 0 0\n0 1 0 -1 0 0 0 0 1 0 0 7\n";
+    write("instances/many.ply", frames.as_bytes());
+    // One pixel: red, green, blue and exponent.
+    write("textures/sky.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81");
+    write("scene.json", scene.as_bytes());
+    folder
+}
+
+fn loaded(folder: &Path) -> Loaded {
+    let loaded = load(folder.join("scene.json"), &LoadOptions::default());
+    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(loaded.warnings, Vec::<String>::new());
+    loaded
+}
+
+/// What all versions of the scene below say.
+fn assert_is_the_scene(why: &str, loaded: &Loaded) {
+    let scene = &loaded.scene;
+    let [camera] = &scene.cameras[..] else { panic!("{why}: one camera") };
+    assert_eq!((camera.name.as_str(), camera.lens, camera.orthographic), ("default", 0.1, true));
+    assert!(
+        camera.world_from_camera.translation.distance(vec3(0.0, 0.0, 2.0).into()) < 1e-6,
+        "{why}: stands two meters away"
+    );
+    assert!((camera.focus - 2.0).abs() < 1e-6, "{why}: and looks at the origin");
+    let [sky] = &scene.environments[..] else { panic!("{why}: one environment") };
+    assert_eq!((sky.name.as_str(), sky.emission), ("sky", Vec3::splat(0.5)), "{why}");
+    let texture = &scene.textures[sky.emission_tex.expect("a texture") as usize];
+    assert_eq!(texture.color_at(0, 0).truncate(), vec3(1.0, 0.5, 0.25), "{why}");
+    let kinds: Vec<_> = scene.materials.iter().map(|material| material.kind).collect();
+    assert_eq!(kinds, [MaterialKind::Reflective, MaterialKind::Volumetric], "{why}");
+    let names: Vec<_> = scene.instances.iter().map(|instance| instance.name.as_str()).collect();
+    assert_eq!(names, ["floor", "thing", "monkey"], "{why}");
+    let elements =
+        |instance: usize| &scene.shapes[scene.instances[instance].shape as usize].elements;
+    assert_eq!(*elements(0), Elements::Triangles(vec![[0, 1, 2]]), "{why}");
+    assert_eq!(*elements(1), Elements::Quads(vec![[0, 1, 2, 3]]), "{why}");
+    assert_eq!(elements(2).count(), 4, "{why}: subdivided once");
+    let [first, second, third] = [0, 1, 2].map(|i| scene.instances[i].material);
+    assert_eq!([first, second, third], [0, 1, 0], "{why}");
+    let moved = scene.instances[1].world_from_object.transform_point3(Vec3::ZERO);
+    assert_eq!(moved, vec3(3.0, 0.0, 0.0), "{why}");
+}
+
+const VERSION_40: &str = r#"{
+    "asset": { "copyright": "nobody" },
+    "cameras": { "default": { "lens": 0.1, "ortho": true, "focus": 9,
+        "lookat": [0, 0, 2, 0, 0, 0, 0, 1, 0] } },
+    "environments": { "sky": { "emission": [0.5, 0.5, 0.5], "emission_tex": "sky",
+        "lookat": [0, 0, 2, 0, 0, 0, 0, 1, 0] } },
+    "materials": { "gold": { "type": "metallic" }, "cloud": { "type": "volume", "color_tex": "" } },
+    "instances": { "floor": { "shape": "floor", "material": "gold" } },
+    "objects": {
+        "thing": { "shape": "thing", "material": "cloud", "frame": [1,0,0, 0,1,0, 0,0,1, 3,0,0] },
+        "monkey": { "shape": "nowhere", "material": "gold" }
+    },
+    "subdivs": { "monkey": { "shape": "nowhere", "subdivisions": 1, "displacement": 0.1,
+        "displacement_tex": "sky" } }
+}"#;
+
+const VERSION_41: &str = r#"{
+    "asset": { "version": "4.1", "generator": "someone" },
+    "cameras": { "default": { "lens": 0.1, "orthographic": true,
+        "lookat": [0, 0, 2, 0, 0, 0, 0, 1, 0] } },
+    "textures": { "heaven": "sky.hdr" },
+    "environments": { "sky": { "emission": [0.5, 0.5, 0.5], "emission_tex": "heaven" } },
+    "materials": { "gold": { "type": "metallic" }, "cloud": { "type": "volumetric" } },
+    "shapes": { "floor": { "datafile": "floor.ply" }, "quad": "thing.obj",
+        "monkey": { "datafile": "floor.ply" } },
+    "subdivs": { "one": { "datafile": "monkey.obj", "shape": "monkey", "subdivisions": 1,
+        "displacement_tex": "" } },
+    "instances": {
+        "floor": { "shape": "floor", "material": "gold" },
+        "thing": { "shape": "quad", "material": "cloud", "frame": [1,0,0, 0,1,0, 0,0,1, 3,0,0] },
+        "monkey": { "shape": "monkey", "material": "gold" }
+    }
+}"#;
+
+/// The same words for all versions with arrays.
+fn version_42(version: &str) -> String {
+    format!(
+        r#"{{
+    "asset": {{ "version": {version}, "copyright": "nobody", "generator": "someone" }},
+    "cameras": [{{ "name": "default", "lens": 0.1, "orthographic": true, "focus": 2,
+        "frame": [1,0,0, 0,1,0, 0,0,1, 0,0,2] }}],
+    "textures": [{{ "name": "sky", "uri": "textures/sky.hdr" }}],
+    "environments": [{{ "name": "sky", "emission": [0.5, 0.5, 0.5], "emission_tex": 0 }}],
+    "materials": [{{ "name": "gold", "type": "reflective", "color_tex": -1 }},
+        {{ "name": "cloud", "type": "volumetric" }}],
+    "shapes": [{{ "name": "floor", "uri": "shapes/floor.ply" }},
+        {{ "name": "thing", "uri": "shapes/thing.obj" }}, {{ "name": "monkey", "uri": "shapes/gone.ply" }}],
+    "subdivs": [{{ "name": "monkey", "shape": 2, "uri": "subdivs/monkey.obj", "subdivisions": 1,
+        "displacement_tex": "" }}],
+    "instances": [{{ "name": "floor", "shape": 0, "material": 0 }},
+        {{ "name": "thing", "shape": 1, "material": 1, "frame": [1,0,0, 0,1,0, 0,0,1, 3,0,0] }},
+        {{ "name": "monkey", "shape": 2, "material": 0 }}]
+}}"#
+    )
+}
+
+#[test]
+fn all_versions_say_the_same() {
+    let table = [
+        ("4.0, which has no number", VERSION_40.to_owned()),
+        ("4.1", VERSION_41.to_owned()),
+        ("4.2", version_42("\"4.2\"")),
+        ("4.3", version_42("\"4.3\"")),
+        ("5.0", version_42("\"5.0\"")),
+        ("a number that is none", version_42("4.2")),
+        (
+            "arrays with references by name",
+            version_42("\"4.2\"").replace("\"shape\": 1", "\"shape\": \"thing\""),
+        ),
+    ];
+    for (why, text) in table {
+        let folder = folder(&text);
+        assert_is_the_scene(why, &loaded(folder.path()));
+    }
+}
+
+#[test]
+fn an_unknown_version_is_told_and_read_as_the_last() {
+    let folder = folder(&version_42("\"6.1\""));
+    let loaded = load(folder.path().join("scene.json"), &LoadOptions::default()).expect("loads");
+    let [warning] = &loaded.warnings[..] else { panic!("one warning: {:?}", loaded.warnings) };
+    assert!(warning.contains("asset.version") && warning.contains("6.1"), "{warning}");
+    assert_is_the_scene("6.1", &loaded);
+}
+
+#[test]
+fn an_object_of_version_40_stands_wherever_a_file_of_frames_says() {
+    let scene = r#"{ "materials": { "m": {} }, "objects": { "tree": { "instance": "many",
+        "shape": "floor", "material": "m", "frame": [1,0,0, 0,1,0, 0,0,1, 1,2,3] } } }"#;
+    let folder = folder(scene);
+    let loaded = loaded(folder.path());
+    let instances = &loaded.scene.instances;
+    let names: Vec<_> = instances.iter().map(|instance| instance.name.as_str()).collect();
+    assert_eq!(names, ["tree_0", "tree_1"]);
+    let places: Vec<_> =
+        instances.iter().map(|i| i.world_from_object.transform_point3(Vec3::ZERO)).collect();
+    // The frame of the file comes after the object's own: the second turns x to y.
+    assert_eq!(places, [vec3(6.0, 2.0, 3.0), vec3(-2.0, 1.0, 10.0)]);
+    let table = [
+        ("no such file", "many", "few", &["few.ply", "instances[0].instance"][..]),
+        ("out of the folder", "many", "../../many", &["instances[0].instance", "folder"]),
+    ];
+    for (why, from, to, parts) in table {
+        let spoiled = scene.replace(from, to);
+        fs::write(folder.path().join("scene.json"), spoiled).expect("writes the scene");
+        let error = load(folder.path().join("scene.json"), &LoadOptions::default());
+        let message = error.expect_err(why).to_string();
+        assert!(parts.iter().all(|part| message.contains(part)), "{why}: {message}");
+    }
+    let broken = [
+        ("flat", "1 0 0 0 1 0 0 0 1 5 0 0", "1 0 0 0 1 0 0 0 0 5 0 0", "instance 0"),
+        ("cut", "0 1 0 -1 0 0 0 0 1 0 0 7", "0 1", "before instance 1 of 2"),
+        ("without an origin", "property float oz\n", "", "ox oy oz"),
+    ];
+    fs::write(folder.path().join("scene.json"), scene).expect("writes the scene");
+    let path = folder.path().join("instances/many.ply");
+    let good = fs::read_to_string(&path).expect("reads the frames");
+    for (why, from, to, part) in broken {
+        fs::write(&path, good.replace(from, to)).expect("writes the frames");
+        let error = load(folder.path().join("scene.json"), &LoadOptions::default());
+        let message = error.expect_err(why).to_string();
+        assert!(message.contains(part) && message.contains("many.ply"), "{why}: {message}");
+    }
+}
+
+#[test]
+fn a_scene_without_a_camera_gets_one_that_sees_it() {
+    let folder = folder(&version_42("\"4.2\"").replace("\"cameras\": [", "\"photos\": ["));
+    let loaded = load(folder.path().join("scene.json"), &LoadOptions::default()).expect("loads");
+    let [camera] = &loaded.scene.cameras[..] else { panic!("one camera") };
+    let middle = camera.ray(vec2(0.5, 0.5), Default::default());
+    // All lies between x = 0 and x = 4.
+    let toward = vec3(2.0, 0.5, 0.0) - middle.origin;
+    assert!(middle.direction.dot(toward.normalize()) > 0.99, "{middle:?}");
+}
