@@ -151,6 +151,8 @@ struct FindClosest<'a, T, F> {
     test: &'a mut F,
 }
 
+impl<S: Simd, T, F> traverse::Leaves<S> for FindClosest<'_, T, F> {}
+
 impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest<S>
     for FindClosest<'_, T, F>
 {
@@ -196,6 +198,8 @@ struct FindAny<'a, F> {
     ray: &'a Ray,
     test: &'a mut F,
 }
+
+impl<S: Simd, F> traverse::Leaves<S> for FindAny<'_, F> {}
 
 impl<S: Simd, F: FnMut(u32, &Ray) -> bool> traverse::Any<S> for FindAny<'_, F> {
     #[inline(always)]

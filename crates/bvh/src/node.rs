@@ -44,37 +44,34 @@ impl Child {
 
 /// A node with up to [`WIDTH`] children, their boxes as six arrays of planes.
 ///
-/// Four cache lines. `planes[2 * axis]` are the lower planes of an axis, `planes[2 * axis + 1]` the
-/// upper ones, so that a ray chooses its near and far planes by an index and not by a comparison.
+/// Four cache lines. `planes[axis]` are the lower planes of an axis and the upper ones, so that a ray
+/// chooses its near and far planes by an index and not by a comparison.
 ///
 /// Laws: no plane is NaN; used slots come first; an unused slot holds [`Child::NONE`] and an
 /// empty box (`+inf..=-inf`); the box of a slot holds all boxes below it.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
-    pub(crate) planes: [[f32; WIDTH]; 6],
+    pub(crate) planes: [[[f32; WIDTH]; 2]; 3],
     pub(crate) children: [Child; WIDTH],
 }
 
 impl Node {
     pub(crate) const EMPTY: Self = Self {
-        planes: {
-            let (lower, upper) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-            [lower, upper, lower, upper, lower, upper]
-        },
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
         children: [Child::NONE; WIDTH],
     };
 
     pub(crate) fn set(&mut self, slot: usize, bounds: Aabb, child: Child) {
         for axis in 0..3 {
-            self.planes[2 * axis][slot] = bounds.min[axis];
-            self.planes[2 * axis + 1][slot] = bounds.max[axis];
+            self.planes[axis][0][slot] = bounds.min[axis];
+            self.planes[axis][1][slot] = bounds.max[axis];
         }
         self.children[slot] = child;
     }
 
     pub(crate) fn bounds(&self, slot: usize) -> Aabb {
-        let corner = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][slot]).into();
+        let corner = |side: usize| self.planes.map(|axis| axis[side][slot]).into();
         Aabb { min: corner(0), max: corner(1) }
     }
 }

@@ -13,16 +13,27 @@ use std::mem::MaybeUninit;
 /// write is a whole window long.
 const CAPACITY: usize = (MAX_DEPTH + 2) * WIDTH;
 
+/// Room for the entries of a [`Stack`].
+pub(crate) type Room = [MaybeUninit<Entry>; CAPACITY];
+
+/// Room that is not written to.
+#[inline(always)]
+pub(crate) fn room() -> Room {
+    [const { MaybeUninit::uninit() }; CAPACITY]
+}
+
 /// Law: the entries below `len` are written, and `len <= CAPACITY`.
-pub(crate) struct Stack {
-    entries: [MaybeUninit<Entry>; CAPACITY],
+///
+/// The room is apart, so that the length is kept in a register.
+pub(crate) struct Stack<'a> {
+    entries: &'a mut Room,
     len: usize,
 }
 
-impl Stack {
+impl<'a> Stack<'a> {
     #[inline(always)]
-    pub(crate) fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+    pub(crate) fn new(room: &'a mut Room) -> Self {
+        Self { entries: room, len: 0 }
     }
 
     #[inline(always)]

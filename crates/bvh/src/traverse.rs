@@ -4,10 +4,19 @@
 use crate::node::{Child, Node, Tree, WIDTH};
 use crate::simd::{Entry, Simd};
 use crate::slab::SlabRay;
-use crate::stack::Stack;
+use crate::stack::{self, Stack};
+
+/// Knows where leaves are.
+pub(crate) trait Leaves<S: Simd> {
+    /// Asks for the memory of a leaf that will be tested soon.
+    #[inline(always)]
+    fn prefetch(&self, simd: S, index: usize) {
+        _ = (simd, index);
+    }
+}
 
 /// Looks into leaves for the closest hit.
-pub(crate) trait Closest<S: Simd> {
+pub(crate) trait Closest<S: Simd>: Leaves<S> {
     /// Tests the leaf, and returns the limit from now on. Implementations are `#[inline(always)]`.
     fn leaf(&mut self, simd: S, index: usize, limit: f32) -> f32;
 
@@ -17,9 +26,19 @@ pub(crate) trait Closest<S: Simd> {
 }
 
 /// Looks into leaves for any hit.
-pub(crate) trait Any<S: Simd> {
+pub(crate) trait Any<S: Simd>: Leaves<S> {
     /// Tests the leaf. Implementations are `#[inline(always)]`.
     fn leaf(&mut self, simd: S, index: usize) -> bool;
+}
+
+/// Asks for the memory of a child.
+#[inline(always)]
+fn prefetch<S: Simd>(simd: S, tree: &Tree, visitor: &impl Leaves<S>, child: Child) {
+    if child.is_leaf() {
+        visitor.prefetch(simd, child.index());
+    } else {
+        simd.prefetch(&tree.nodes[child.index()]);
+    }
 }
 
 /// Shows `visitor` each leaf that the ray meets before the limit, about nearest first.
@@ -36,7 +55,8 @@ pub(crate) fn closest<S: Simd>(
     }
     let lanes = ray.lanes(simd);
     let mut limits = simd.splat(limit);
-    let mut stack = Stack::new();
+    let mut room = stack::room();
+    let mut stack = Stack::new(&mut room);
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
@@ -62,6 +82,7 @@ pub(crate) fn closest<S: Simd>(
                     let a = Entry::new(near[first], node.children[first]);
                     let b = Entry::new(near[second], node.children[second]);
                     stack.push(a.max(b));
+                    prefetch(simd, tree, visitor, a.max(b).child());
                     current = a.min(b).child();
                     continue;
                 }
@@ -69,6 +90,12 @@ pub(crate) fn closest<S: Simd>(
                 // SAFETY: `order` writes an entry for each bit of the mask.
                 unsafe {
                     stack.extend(count, |window| simd.order(near, mask, &node.children, window));
+                }
+                let mut rest = mask;
+                while rest != 0 {
+                    let slot = rest.trailing_zeros() as usize % WIDTH;
+                    rest &= rest - 1;
+                    prefetch(simd, tree, visitor, node.children[slot]);
                 }
             }
         }
@@ -98,7 +125,8 @@ pub(crate) fn any<S: Simd>(
     }
     let lanes = ray.lanes(simd);
     let limits = simd.splat(limit);
-    let mut stack = Stack::new();
+    let mut room = stack::room();
+    let mut stack = Stack::new(&mut room);
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
@@ -115,6 +143,7 @@ pub(crate) fn any<S: Simd>(
                     let slot = mask.trailing_zeros() as usize % WIDTH;
                     mask &= mask - 1;
                     stack.push(Entry::new(0.0, node.children[slot]));
+                    prefetch(simd, tree, visitor, node.children[slot]);
                 }
                 continue;
             }

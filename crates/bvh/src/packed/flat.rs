@@ -34,20 +34,22 @@ impl<S: Simd> FlatLanes<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &SlabRay) -> Self {
         let size = ray.direction.abs();
-        let axes = if size.x > size.y && size.x > size.z {
-            [1, 2, 0]
-        } else if size.y > size.z {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
-        let pick = |v: Vec3| Vec3::from_array(axes.map(|axis| v[axis]));
-        let direction = pick(ray.direction);
+        let over = [
+            usize::from(size.x > size.y),
+            usize::from(size.x > size.z),
+            usize::from(size.y > size.z),
+        ];
+        // 0 if x is the largest, 1 if y is, else 2: without a branch, which would be hard to predict.
+        let z = 2 - (2 * (over[0] & over[1]) + (over[2] & (over[0] ^ 1)));
+        let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
+        let axes = [x, y, z];
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let (o, d) = (Vec3::new(o[x], o[y], o[z]), Vec3::new(d[x], d[y], d[z]));
         Self {
             axes,
-            origin: splat(simd, pick(ray.origin)),
-            slope: [simd.splat(direction.x / direction.z), simd.splat(direction.y / direction.z)],
-            inverse: simd.splat(direction.z.recip()),
+            origin: splat(simd, o),
+            slope: [simd.splat(d.x / d.z), simd.splat(d.y / d.z)],
+            inverse: simd.splat(d.z.recip()),
             start: simd.splat(ray.start),
             end: simd.splat(ray.end),
         }

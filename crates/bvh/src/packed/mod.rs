@@ -210,6 +210,15 @@ impl<'a, S: Simd, P: Kernel, const VANILLA: bool> FindClosest<'a, S, P, VANILLA>
     }
 }
 
+impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Leaves<S>
+    for FindClosest<'_, S, P, VANILLA>
+{
+    #[inline(always)]
+    fn prefetch(&self, simd: S, index: usize) {
+        simd.prefetch(&self.packed.blocks[index]);
+    }
+}
+
 impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Closest<S>
     for FindClosest<'_, S, P, VANILLA>
 {
@@ -295,6 +304,13 @@ struct FindAny<'a, S: Simd, P: Kernel, const VANILLA: bool> {
     ray: &'a Ray,
     lanes: P::Lanes<S>,
     limit: f32,
+}
+
+impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Leaves<S> for FindAny<'_, S, P, VANILLA> {
+    #[inline(always)]
+    fn prefetch(&self, simd: S, index: usize) {
+        simd.prefetch(&self.packed.blocks[index]);
+    }
 }
 
 impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Any<S> for FindAny<'_, S, P, VANILLA> {

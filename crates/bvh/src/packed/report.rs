@@ -5,7 +5,7 @@ use super::{FindClosest, Form, Packed};
 use crate::node::{Child, Node, WIDTH};
 use crate::simd::Portable;
 use crate::slab::SlabRay;
-use crate::traverse::{self, Closest};
+use crate::traverse::{self, Closest, Leaves};
 use rotund_geometry::Ray;
 
 /// The size of a tree.
@@ -100,6 +100,8 @@ struct Counting<'a, P: Kernel, const VANILLA: bool> {
     find: FindClosest<'a, Portable, P, VANILLA>,
     visits: Visits,
 }
+
+impl<P: Kernel, const VANILLA: bool> Leaves<Portable> for Counting<'_, P, VANILLA> {}
 
 impl<P: Kernel, const VANILLA: bool> Closest<Portable> for Counting<'_, P, VANILLA> {
     #[inline(always)]

@@ -35,6 +35,12 @@ pub trait Simd: Copy {
     /// Runs `task` in a function that is compiled for this instruction set.
     fn run<T: Task>(self, task: T) -> T::Output;
 
+    /// Asks for the cache lines of `what`, which will be looked at soon.
+    #[inline(always)]
+    fn prefetch<T>(self, what: &T) {
+        _ = what;
+    }
+
     fn load(self, from: &[f32; WIDTH]) -> Self::Lanes;
     fn splat(self, value: f32) -> Self::Lanes;
     fn to_array(self, a: Self::Lanes) -> [f32; WIDTH];

@@ -77,6 +77,15 @@ macro_rules! implement {
             }
 
             #[inline(always)]
+            fn prefetch<T>(self, what: &T) {
+                let start = std::ptr::from_ref(what).cast::<i8>();
+                for line in 0..size_of::<T>().div_ceil(64) {
+                    // SAFETY: SSE is there on x86-64, and a prefetch reads nothing.
+                    unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line)) };
+                }
+            }
+
+            #[inline(always)]
             fn load(self, from: &[f32; WIDTH]) -> __m256 {
                 // SAFETY: `self` proves AVX; the array holds eight floats, and need not be aligned.
                 unsafe { _mm256_loadu_ps(from.as_ptr()) }
