@@ -51,6 +51,7 @@ pub(crate) struct Double {
 }
 
 /// `a + b` and the error of that sum, which is an `f64`.
+#[inline]
 fn two_sum(a: f64, b: f64) -> Double {
     let high = a + b;
     let b_part = high - a;
@@ -58,12 +59,14 @@ fn two_sum(a: f64, b: f64) -> Double {
 }
 
 /// [`two_sum`] for `|a| >= |b|`.
+#[inline]
 fn quick_two_sum(a: f64, b: f64) -> Double {
     let high = a + b;
     Double { high, low: b - (high - a) }
 }
 
 /// `a b` and the error of that product, by splitting both factors into halves of 26 bits.
+#[inline]
 fn two_product(a: f64, b: f64) -> Double {
     let split = |x: f64| {
         let scaled = 134_217_729.0 * x;
@@ -78,6 +81,7 @@ fn two_product(a: f64, b: f64) -> Double {
 impl Add for Double {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         let (sum, low) = (two_sum(self.high, other.high), two_sum(self.low, other.low));
         let sum = quick_two_sum(sum.high, sum.low + low.high);
@@ -88,6 +92,7 @@ impl Add for Double {
 impl Neg for Double {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
@@ -96,6 +101,7 @@ impl Neg for Double {
 impl Sub for Double {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -104,6 +110,7 @@ impl Sub for Double {
 impl Mul for Double {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let product = two_product(self.high, other.high);
         let low = product.low + (self.high * other.low + self.low * other.high);
@@ -114,6 +121,7 @@ impl Mul for Double {
 impl Div for Double {
     type Output = Self;
 
+    #[inline]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
         if !first.is_finite() {
@@ -130,11 +138,13 @@ impl Div for Double {
 impl Real for Double {
     const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
+    #[inline]
     fn exact(x: f32) -> Self {
         Self { high: f64::from(x), low: 0.0 }
     }
 
     /// One step of Newton from the rounded root doubles its digits.
+    #[inline]
     fn sqrt(self) -> Self {
         let root = self.high.sqrt();
         if !(root > 0.0 && root.is_finite()) {
@@ -144,6 +154,7 @@ impl Real for Double {
         quick_two_sum(root, rest.high / (2.0 * root))
     }
 
+    #[inline]
     fn nearest(self) -> f64 {
         self.high
     }

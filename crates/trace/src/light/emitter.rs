@@ -3,8 +3,10 @@
 use super::flat::{self, SurfacePoint};
 use super::rectangle::Rectangle;
 use super::round::{Ball, Cone, Density, RoundPoint};
+use super::spherical_triangle::SphericalTriangle;
 use super::tree::Extent;
 use super::{LightSource, luminance};
+use crate::warp;
 use glam::{Affine3A, Vec2, Vec3};
 use rotund_geometry::{Aabb, UNIT_ROUNDOFF};
 use rotund_scene::{Elements, Instance, Method, Scene, SceneHit, Shape};
@@ -17,7 +19,10 @@ pub(super) struct Emitter {
     element: u32,
     /// Radiance, if it is the same all over the element.
     even: Option<Vec3>,
-    power: f32,
+    pub(super) power: f32,
+    /// Bound on how far a point that is computed from corners or centers is off the surface: that takes
+    /// fewer than ten roundings, each relative to the largest coordinate in play.
+    error: f32,
 }
 
 /// A drawn point of an emitter.
@@ -57,7 +62,10 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
         material.emission_tex.is_some() || material.color_tex.is_some() || !shape.colors.is_empty();
     let emitter = |element: u32| {
         let surface = surface(shape, instance, element as usize);
-        let mut emitter = Emitter { surface, instance: index, element, even: None, power: 0.0 };
+        let mut emitter =
+            Emitter { surface, instance: index, element, even: None, power: 0.0, error: 0.0 };
+        let Aabb { min, max } = emitter.extent().bounds;
+        emitter.error = 10.0 * UNIT_ROUNDOFF * min.abs().max(max.abs()).max_element();
         let area = emitter.area();
         if area > 0.0 && area.is_finite() {
             let mean = emitter.mean_radiance(scene, varies);
@@ -120,7 +128,7 @@ fn scale(frame: &Affine3A) -> Option<f32> {
 impl Emitter {
     fn area(&self) -> f32 {
         match &self.surface {
-            Surface::Triangle([p0, p1, p2]) => 0.5 * (p1 - p0).cross(p2 - p0).length(),
+            Surface::Triangle(corners) => flat::triangle_area(*corners),
             Surface::Rectangle(rectangle) => rectangle.area(),
             Surface::TwoTriangles(corners) => flat::triangle_areas(*corners).iter().sum(),
             Surface::Patch(corners) => {
@@ -160,7 +168,7 @@ impl Emitter {
                 let [p0, p1, p2] = *corners;
                 (Aabb::from_points(*corners), (p1 - p0).cross(p2 - p0).normalize_or_zero())
             }
-            Surface::Rectangle(Rectangle { corner, edges: [a, b] }) => {
+            Surface::Rectangle(Rectangle { corner, edges: [a, b], .. }) => {
                 let ends = [*corner, corner + a, corner + b, corner + a + b];
                 (Aabb::from_points(ends), a.cross(*b).normalize_or_zero())
             }
@@ -195,13 +203,13 @@ impl Emitter {
             EmitterPoint { source, uv: Vec2::ZERO, pdf }
         };
         let point = match &self.surface {
-            Surface::Triangle(corners) => surface_point(flat::triangle(*corners, u)?),
+            Surface::Triangle(corners) => self.of_triangles(&[*corners], from, u)?,
             Surface::Rectangle(rectangle) => {
                 let seen = rectangle.sample(from, u);
                 let uv = seen.map_or(u, |(place, _)| place);
                 let [a, b] = rectangle.edges;
                 let position = rectangle.corner + uv.x * a + uv.y * b;
-                let normal = rectangle.normal();
+                let normal = rectangle.normal;
                 let pdf = seen.map_or_else(
                     || {
                         let density = Density::Area(1.0 / rectangle.area());
@@ -211,7 +219,9 @@ impl Emitter {
                 );
                 EmitterPoint { source: self.source(position, normal), uv, pdf }
             }
-            Surface::TwoTriangles(corners) => surface_point(flat::two_triangles(*corners, u)?),
+            Surface::TwoTriangles(corners) => {
+                self.of_triangles(&flat::halves(*corners), from, u)?
+            }
             Surface::Patch(corners) => surface_point(flat::patch(*corners, u)?),
             Surface::Ball(ball) => round_point(ball.sample(from, u)),
             Surface::Cone(cone) => round_point(cone.sample(from, u)?),
@@ -223,7 +233,10 @@ impl Emitter {
     /// The density per solid angle with which [`Self::sample`] draws a point that a ray hit.
     pub(super) fn pdf(&self, from: Vec3, hit: &SceneHit) -> f32 {
         let density = match &self.surface {
-            Surface::Triangle(_) | Surface::TwoTriangles(_) => Density::Area(1.0 / self.area()),
+            Surface::Triangle(corners) => self.density_of_triangles(&[*corners], from),
+            Surface::TwoTriangles(corners) => {
+                self.density_of_triangles(&flat::halves(*corners), from)
+            }
             Surface::Rectangle(rectangle) => rectangle
                 .pdf(from)
                 .map_or_else(|| Density::Area(1.0 / rectangle.area()), Density::SolidAngle),
@@ -235,12 +248,53 @@ impl Emitter {
         solid_angle_density(density, from, hit.position, hit.normal)
     }
 
-    /// All that is computed from corners or centers takes fewer than ten roundings, each relative to
-    /// the largest coordinate in play.
+    /// Draws a point of one triangle or of both that stand for a quad: even over the directions in
+    /// which they are seen, or over their area if they are seen too small.
+    fn of_triangles(&self, triangles: &[[Vec3; 3]], from: Vec3, u: Vec2) -> Option<EmitterPoint> {
+        let seen = SphericalTriangle::seen(triangles, from);
+        let weights = [0, 1].map(|index| match (&seen, triangles.get(index)) {
+            (_, None) => 0.0,
+            (Some(seen), _) => seen[index].solid_angle as f32,
+            (None, Some(corners)) => flat::triangle_area(*corners),
+        });
+        let sum = weights[0] + weights[1];
+        let share = weights[0] / sum;
+        let (index, x) = if u.x < share || weights[1] <= 0.0 {
+            (0, u.x / share)
+        } else {
+            (1, (u.x - share) / (1.0 - share))
+        };
+        let u = Vec2::new(x.clamp(0.0, 1.0_f32.next_down()), u.y);
+        let corners = triangles[index];
+        let place = match &seen {
+            Some(seen) => seen[index].sample(u),
+            None => warp::triangle(u),
+        };
+        let (e1, e2) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let position = corners[0] + place.x * e1 + place.y * e2;
+        let normal = e1.cross(e2).try_normalize()?;
+        let density = match seen {
+            Some(_) => Density::SolidAngle(1.0 / sum),
+            None => Density::Area(1.0 / sum),
+        };
+        let pdf = solid_angle_density(density, from, position, normal);
+        // The second triangle of a quad counts from the opposite corner.
+        let uv = if index == 0 { place } else { 1.0 - place };
+        Some(EmitterPoint { source: self.source(position, normal), uv, pdf })
+    }
+
+    /// Density of [`Self::of_triangles`].
+    fn density_of_triangles(&self, triangles: &[[Vec3; 3]], from: Vec3) -> Density {
+        match SphericalTriangle::seen(triangles, from) {
+            Some(seen) => {
+                Density::SolidAngle(1.0 / seen.iter().map(|t| t.solid_angle as f32).sum::<f32>())
+            }
+            None => Density::Area(1.0 / self.area()),
+        }
+    }
+
     fn source(&self, position: Vec3, normal: Vec3) -> LightSource {
-        let bounds = self.extent().bounds;
-        let size = bounds.min.abs().max(bounds.max.abs()).max_element();
-        LightSource { position, normal, error: 10.0 * UNIT_ROUNDOFF * size }
+        LightSource { position, normal, error: self.error }
     }
 }
 

@@ -1,7 +1,5 @@
-//! Drawing from flat and ruled emitters: triangles, pairs of triangles, parallelograms and bilinear
-//! patches.
+//! Areas of flat emitters, and drawing from bilinear patches.
 
-use crate::warp;
 use glam::{Vec2, Vec3};
 
 /// A point on an emitter.
@@ -16,38 +14,18 @@ pub(super) struct SurfacePoint {
     pub(super) pdf_area: f32,
 }
 
-/// A point of the triangle, uniform by area. Its `uv` weigh the second and third corner.
-pub(super) fn triangle(corners: [Vec3; 3], u: Vec2) -> Option<SurfacePoint> {
-    let [p0, p1, p2] = corners;
-    let (e1, e2) = (p1 - p0, p2 - p0);
-    let cross = e1.cross(e2);
-    let uv = warp::triangle(u);
-    Some(SurfacePoint {
-        position: p0 + uv.x * e1 + uv.y * e2,
-        normal: cross.try_normalize()?,
-        uv,
-        pdf_area: 2.0 / cross.length(),
-    })
+pub(super) fn triangle_area([p0, p1, p2]: [Vec3; 3]) -> f32 {
+    0.5 * (p1 - p0).cross(p2 - p0).length()
 }
 
-/// Areas of the two triangles of a quad, `p0 p1 p3` and `p2 p3 p1`.
-pub(super) fn triangle_areas([p0, p1, p2, p3]: [Vec3; 4]) -> [f32; 2] {
-    [(p1 - p0).cross(p3 - p0), (p3 - p2).cross(p1 - p2)].map(|cross| 0.5 * cross.length())
+/// The two triangles that stand for a quad: each begins at a corner that the other has not.
+pub(super) fn halves([p0, p1, p2, p3]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
+    [[p0, p1, p3], [p2, p3, p1]]
 }
 
-/// A point of a quad that stands for two triangles, uniform by area.
-pub(super) fn two_triangles(corners: [Vec3; 4], u: Vec2) -> Option<SurfacePoint> {
-    let [p0, p1, p2, p3] = corners;
-    let areas = triangle_areas(corners);
-    let share = areas[0] / (areas[0] + areas[1]);
-    let point = if u.x < share {
-        triangle([p0, p1, p3], Vec2::new(u.x / share, u.y))?
-    } else {
-        let mut point = triangle([p2, p3, p1], Vec2::new((u.x - share) / (1.0 - share), u.y))?;
-        point.uv = 1.0 - point.uv;
-        point
-    };
-    Some(SurfacePoint { pdf_area: 1.0 / (areas[0] + areas[1]), ..point })
+/// Areas of the two triangles of a quad.
+pub(super) fn triangle_areas(corners: [Vec3; 4]) -> [f32; 2] {
+    halves(corners).map(triangle_area)
 }
 
 /// Tangents of a bilinear patch `p00 p10 p01 p11` along u and v.

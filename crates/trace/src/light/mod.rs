@@ -5,6 +5,7 @@ mod environment;
 mod flat;
 mod rectangle;
 mod round;
+mod spherical_triangle;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -137,7 +138,7 @@ impl Lights {
         let Some(first) = self.first_emitter[hit.instance as usize] else { return 0.0 };
         let index = first + hit.element;
         let emitter = &self.emitters[index as usize];
-        if emitter.extent().power <= 0.0 {
+        if emitter.power <= 0.0 {
             return 0.0;
         }
         (1.0 - self.environment_chance(receiver))

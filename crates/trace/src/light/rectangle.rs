@@ -11,6 +11,11 @@ use std::f64::consts::TAU;
 pub(super) struct Rectangle {
     pub(super) corner: Vec3,
     pub(super) edges: [Vec3; 2],
+    pub(super) normal: Vec3,
+    area: f32,
+    /// Along the edges and across them, of unit length, and the lengths of the edges.
+    axes: [DVec3; 3],
+    lengths: [f64; 2],
 }
 
 /// A rectangle as seen from a point, in coordinates along its edges and away from it.
@@ -36,31 +41,35 @@ impl Rectangle {
         let size = edges[0].length() * edges[1].length();
         let closes = (p0 + edges[0] + edges[1]).distance_squared(p2) <= 1e-10 * size;
         let right = edges[0].dot(edges[1]).abs() <= 1e-5 * size;
-        (closes && right && size > 0.0).then_some(Self { corner: p0, edges })
+        (closes && right && size > 0.0).then(|| {
+            let [ex, ey] = edges.map(Vec3::as_dvec3);
+            let (x, y) = (ex.normalize(), ey.normalize());
+            Self {
+                corner: p0,
+                edges,
+                normal: edges[0].cross(edges[1]).normalize(),
+                area: size,
+                axes: [x, y, x.cross(y)],
+                lengths: [ex.length(), ey.length()],
+            }
+        })
     }
 
     pub(super) fn area(&self) -> f32 {
-        self.edges[0].length() * self.edges[1].length()
-    }
-
-    pub(super) fn normal(&self) -> Vec3 {
-        self.edges[0].cross(self.edges[1]).normalize()
+        self.area
     }
 
     fn seen(&self, from: Vec3) -> Option<Seen> {
         let to = self.corner.as_dvec3() - from.as_dvec3();
-        let [ex, ey] = self.edges.map(Vec3::as_dvec3);
-        let (x, y) = (ex.normalize(), ey.normalize());
-        let z = x.cross(y);
-        let z = if to.dot(z) > 0.0 { -z } else { z };
-        let depth = to.dot(z);
+        let [x, y, z] = self.axes;
+        let depth = -to.dot(z).abs();
         let (x0, y0) = (to.dot(x), to.dot(y));
-        let (x1, y1) = (x0 + ex.length(), y0 + ey.length());
-        let corner = |x, y| DVec3::new(x, y, depth);
-        let ring = [corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1)];
-        let plane = |i: usize| ring[i].cross(ring[(i + 1) % 4]).normalize();
-        let planes = [plane(0), plane(1), plane(2), plane(3)];
-        let angle = |a: usize, b: usize| (-planes[a].dot(planes[b])).clamp(-1.0, 1.0).acos();
+        let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
+        // The planes through the eye and an edge have normals (0, z, -y0), (-z, 0, x1), (0, -z, y1)
+        // and (z, 0, -x0). Of unit length, neighbours have the product of their z as dot product.
+        let slope = |edge: f64| edge / (edge * edge + depth * depth).sqrt();
+        let slopes = [-slope(y0), slope(x1), slope(y1), -slope(x0)];
+        let angle = |a: usize, b: usize| (-slopes[a] * slopes[b]).clamp(-1.0, 1.0).acos();
         let offset = TAU - angle(2, 3) - angle(3, 0);
         let solid_angle = angle(0, 1) + angle(1, 2) - offset;
         // False for a NaN: an eye in the plane of the rectangle.
@@ -68,7 +77,7 @@ impl Rectangle {
             x: [x0, x1],
             y: [y0, y1],
             z: depth,
-            slopes: [planes[0].z, planes[2].z],
+            slopes: [slopes[0], slopes[2]],
             offset,
             solid_angle,
         })
