@@ -42,6 +42,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::careful_cone::{self, Crossing};
 use crate::float::{CANCELLATION, accept, round, rounding_error};
 use crate::profile::Profile;
+use crate::queries::{Common, Solve, queries};
 use crate::sphere::FAR;
 use crate::{Aabb, Hit, Ray, Sphere, widen};
 
@@ -80,47 +81,24 @@ pub struct RoundedCone {
 }
 
 /// A crossing before it is rounded: the ball it belongs to, and the point seen from its centre.
-struct Root {
+pub(crate) struct Root {
     t: f32,
     s: f64,
     from_ball: DVec3,
     normal: DVec3,
 }
 
-impl RoundedCone {
+queries!(
+    RoundedCone,
     /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
-    #[must_use]
-    #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let root = self.solve(ray)?;
-        let (p0, p1) = (self.p0.as_dvec3(), self.p1.as_dvec3());
-        let position = round(p0 + root.s * (p1 - p0) + root.from_ball);
-        Some(Hit {
-            t: root.t,
-            position,
-            error: rounding_error(position),
-            normal: round(root.normal),
-            parameters: Vec2::new(root.s as f32, 0.0),
-        })
-    }
+);
 
-    /// The `t` of [`Self::closest`], the same bits, at less cost.
-    #[must_use]
-    #[inline]
-    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
-        self.solve(ray).map(|root| root.t)
-    }
+impl Solve for RoundedCone {
+    type Root = Root;
 
-    /// True if [`Self::closest`] finds a hit.
-    #[must_use]
-    #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.solve(ray).is_some()
-    }
-
-    /// The entry, for the common case; the rest is left to [`Self::solve_carefully`].
+    /// The entry, if the ray is outside; an exit is left to [`Self::solve_carefully`].
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Option<Root> {
+    fn solve(&self, ray: &Ray) -> Common<Root> {
         let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
         let (o, d) = widen::ray(ray);
         let (e, f) = (p1 - p0, o - p0);
@@ -135,13 +113,7 @@ impl RoundedCone {
         let grazing = CANCELLATION * moment2;
         // Written so that a NaN fails.
         if !(discriminant > grazing && d2 > 0.0) {
-            return if d2 <= 0.0 {
-                self.solve_larger_ball(ray)
-            } else if discriminant < -grazing {
-                None
-            } else {
-                self.solve_carefully(ray)
-            };
+            return if d2 > 0.0 && discriminant < -grazing { Common::Miss } else { Common::Unsure };
         }
         let (a, b, m) = (d.dot(d), f.dot(d), d.dot(e));
         let width = a * d2;
@@ -164,7 +136,7 @@ impl RoundedCone {
         let thinnest = r0.min(r1);
         let slim = d2 > 1e12 * (thinnest * thinnest);
         if !((k2 > 0.0) & (thinnest > 0.0) & !slim & (b * b < FAR * width)) {
-            return self.solve_carefully(ray);
+            return Common::Unsure;
         }
         let (t64, from_ball, s, radius);
         if y >= 0.0 && y <= width {
@@ -173,7 +145,7 @@ impl RoundedCone {
             // share of its terms, which cancel where the ray starts beside `p0`.
             let scale = spread * moment2 + f.abs().dot(d.abs()) * k2 * discriminant;
             if difference.abs() * k2 * discriminant < CANCELLATION * scale {
-                return self.solve_carefully(ray);
+                return Common::Unsure;
             }
             t64 = difference * over_a;
             s = y * inverse;
@@ -192,27 +164,30 @@ impl RoundedCone {
             let chord = square - passing;
             let grazing = CANCELLATION * square;
             if chord < -grazing {
-                return None;
+                return Common::Miss;
             }
             let root = chord.sqrt();
             let (near, far) = (-along - root, -along + root);
             if (chord <= grazing) | ((near * far).abs() <= grazing) {
-                return self.solve_carefully(ray);
+                return Common::Unsure;
             }
             t64 = near * over_a;
             from_ball = center + t64 * d;
         }
         match accept(ray, t64) {
-            Some(t) => Some(Root { t, from_ball, s, normal: from_ball * radius.recip() }),
-            None if t64 as f32 > ray.t_max => None,
-            None => self.solve_carefully(ray),
+            Some(t) => Common::Root(Root { t, from_ball, s, normal: from_ball * radius.recip() }),
+            None if t64 as f32 > ray.t_max => Common::Miss,
+            None => Common::Unsure,
         }
     }
 
-    /// Entry and exit in every case, given that no ball holds the other.
+    /// Entry and exit in every case.
     #[cold]
     #[inline(never)]
     fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
+        if self.is_one_ball() {
+            return self.solve_larger_ball(ray);
+        }
         let Crossing { t, s, from_ball } = careful_cone::solve(self, ray)?;
         let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
         let normal = from_ball / radius;
@@ -227,9 +202,34 @@ impl RoundedCone {
         Some(Root { t, s, from_ball, normal })
     }
 
+    #[inline(always)]
+    fn t(root: &Root) -> f32 {
+        root.t
+    }
+
+    #[inline(always)]
+    fn hit(&self, _: &Ray, Root { t, s, from_ball, normal }: Root) -> Hit {
+        let (p0, p1) = (self.p0.as_dvec3(), self.p1.as_dvec3());
+        let position = round(p0 + s * (p1 - p0) + from_ball);
+        Hit {
+            t,
+            position,
+            error: rounding_error(position),
+            normal: round(normal),
+            parameters: Vec2::new(s as f32, 0.0),
+        }
+    }
+}
+
+impl RoundedCone {
+    /// Whether one ball holds the other; false for a NaN.
+    fn is_one_ball(&self) -> bool {
+        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
+        let rho = f64::from(self.r0) - f64::from(self.r1);
+        e.dot(e) - rho * rho <= 0.0
+    }
+
     /// One ball holds the other.
-    #[cold]
-    #[inline(never)]
     fn solve_larger_ball(&self, ray: &Ray) -> Option<Root> {
         let [first, second] = [(self.p0, self.r0), (self.p1, self.r1)]
             .map(|(center, radius)| Sphere { center, radius });
@@ -237,7 +237,11 @@ impl RoundedCone {
         if !(self.r0.min(self.r1) >= 0.0 && self.p0.is_finite() && self.p1.is_finite()) {
             return None;
         }
-        let root = ball.solve(ray)?;
+        let root = match ball.solve(ray) {
+            Common::Root(root) => root,
+            Common::Miss => return None,
+            Common::Unsure => ball.solve_carefully(ray)?,
+        };
         Some(Root { t: root.t, s, from_ball: root.from_center, normal: root.normal })
     }
 

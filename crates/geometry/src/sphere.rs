@@ -21,6 +21,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::double_double::{Double, Real};
 use crate::float::{CANCELLATION, accept, round, rounding_error};
+use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// The points at distance `radius` from `center`.
@@ -61,38 +62,16 @@ pub(crate) struct Root {
 /// Beyond 2²⁵ radii the position takes digits from the distance that the normal needs.
 pub(crate) const FAR: f64 = (1_u64 << 50) as f64;
 
-impl Sphere {
+queries!(
+    Sphere,
     /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
-    #[must_use]
-    #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let Root { t, from_center, normal } = self.solve(ray)?;
-        let position = round(self.center.as_dvec3() + from_center);
-        Some(Hit {
-            t,
-            position,
-            error: rounding_error(position),
-            normal: round(normal),
-            parameters: Vec2::ZERO,
-        })
-    }
+);
 
-    /// The `t` of [`Self::closest`], the same bits, at less cost.
-    #[must_use]
-    #[inline]
-    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
-        self.solve(ray).map(|root| root.t)
-    }
-
-    /// True if [`Self::closest`] finds a hit.
-    #[must_use]
-    #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.solve(ray).is_some()
-    }
+impl Solve for Sphere {
+    type Root = Root;
 
     #[inline(always)]
-    pub(crate) fn solve(&self, ray: &Ray) -> Option<Root> {
+    fn solve(&self, ray: &Ray) -> Common<Root> {
         let (c, r) = widen::ball(self.center, self.radius);
         let (o, d) = widen::ray(ray);
         let f = o - c;
@@ -103,7 +82,7 @@ impl Sphere {
         let grazing = CANCELLATION * square;
         // Written so that a NaN fails.
         if !(discriminant >= -grazing && r > 0.0) {
-            return None;
+            return Common::Miss;
         }
         // Two reciprocals for one division, which runs beside the square root.
         let inverse = (a * r).recip();
@@ -114,21 +93,19 @@ impl Sphere {
         let (near, far) = (-b - root, -b + root);
         let product = (near * far).abs();
         if (discriminant <= grazing) | (product <= grazing) | (product > FAR * square) {
-            return self.solve_carefully(ray);
+            return Common::Unsure;
         }
-        let mut t64 = near * over_a;
-        let t = match accept(ray, t64) {
-            Some(t) => t,
-            None => {
-                t64 = far * over_a;
-                accept(ray, t64)?
-            }
+        let (near, far) = (near * over_a, far * over_a);
+        let Some((t, t64)) =
+            accept(ray, near).map(|t| (t, near)).or_else(|| accept(ray, far).map(|t| (t, far)))
+        else {
+            return Common::Miss;
         };
         let from_center = f + t64 * d;
-        Some(Root { t, from_center, normal: from_center * over_r })
+        Common::Root(Root { t, from_center, normal: from_center * over_r })
     }
 
-    /// [`Self::solve`] with 106 bits, for rays that graze or start next to the surface.
+    /// With 106 bits, for rays that graze or start next to the surface.
     #[cold]
     #[inline(never)]
     fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
@@ -161,6 +138,25 @@ impl Sphere {
         })
     }
 
+    #[inline(always)]
+    fn t(root: &Root) -> f32 {
+        root.t
+    }
+
+    #[inline(always)]
+    fn hit(&self, _: &Ray, Root { t, from_center, normal }: Root) -> Hit {
+        let position = round(self.center.as_dvec3() + from_center);
+        Hit {
+            t,
+            position,
+            error: rounding_error(position),
+            normal: round(normal),
+            parameters: Vec2::ZERO,
+        }
+    }
+}
+
+impl Sphere {
     /// A box that holds the sphere, and every position that [`Self::closest`] reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {

@@ -164,10 +164,24 @@ fn meets_itself<S: Measured>(
     let gap = left.point - Wide3::from(origin);
     let aside = (gap.to_f64() - out * gap.to_f64().dot(out)).length();
     let through = shape.crossings(origin.into(), out.into());
-    let near = |c: &&Crossing| c.t.to_f64().abs() < NEAR * shape.size() + aside;
+    let near =
+        |c: &&Crossing| c.t.to_f64().abs() < NEAR * shape.size() + aside && same_sheet(left, c);
     let behind = through.iter().filter(near).any(|c| c.t > Wide::ZERO);
     let truth = Truth::of(shape, &ray);
+    if truth.first().is_some_and(|c| !same_sheet(left, c)) {
+        return false;
+    }
     behind || truth.first().is_none_or(|c| c.t.to_f64() > 2.0 * NEAR * shape.size())
+}
+
+/// Whether two places of a patch belong together. Where it passes through itself, as a bow tie does, another
+/// part of it lies within rounding of the first, and is truly met.
+fn same_sheet(a: &Crossing, b: &Crossing) -> bool {
+    const APART: f64 = 0.1;
+    match (a.uv, b.uv) {
+        (Some(a), Some(b)) => a.distance(b) < APART,
+        _ => true,
+    }
 }
 
 #[cfg(test)]
