@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use crate::double_double::{Double, Real};
 use crate::float::{CANCELLATION, accept};
+use crate::sphere::FAR;
 use crate::{Ray, RoundedCone};
 
 /// A crossing: `t`, the ball it belongs to, and the point seen from the centre of that ball.
@@ -63,6 +64,11 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
         return Attempt::Found(None);
     }
     let (a, b, m) = (dot(d, d), dot(f, d), dot(d, e));
+    let thinnest = f64::from(cone.r0.min(cone.r1));
+    let (far, left) = (b * b * moment2, a * discriminant);
+    if allowed > 0.0 && far.nearest() > FAR * (thinnest * thinnest) * left.nearest() {
+        return Attempt::TooFewDigits;
+    }
     let width = a * d2;
     let k2 = dot(g, g) - rho * rho * a;
     let chord = r[0] * r[0] * a - dot(w, w);

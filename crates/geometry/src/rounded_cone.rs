@@ -132,10 +132,11 @@ impl Solve for RoundedCone {
         let theta = over / under;
         let y = y0 + m * theta;
         // No common case: a cone steeper than the line, a length of more than a million radii, and an
-        // origin more than 2²⁵ lengths away.
+        // origin more than 2²⁵ radii away, or fewer where the ray grazes.
         let thinnest = r0.min(r1);
         let slim = d2 > 1e12 * (thinnest * thinnest);
-        if !((k2 > 0.0) & (thinnest > 0.0) & !slim & (b * b < FAR * width)) {
+        let near = b * b * moment2 < FAR * (thinnest * thinnest) * a * discriminant;
+        if !((k2 > 0.0) & (thinnest > 0.0) & !slim & near) {
             return Common::Unsure;
         }
         let (t64, from_ball, s, radius);

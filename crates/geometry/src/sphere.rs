@@ -59,7 +59,12 @@ pub(crate) struct Root {
     pub(crate) normal: DVec3,
 }
 
-/// Beyond 2²⁵ radii the position takes digits from the distance that the normal needs.
+/// The square of `2²⁵`, the distance in radii from which rays are solved with more digits; fewer radii by the
+/// root of the share of the discriminant that is left where they graze.
+///
+/// At a distance of `D` radii the moment of a ray is known to `2⁻⁵³ D` radii, and the discriminant, as a share of
+/// its terms, to twice that; half the chord, the root `h` of that share, to `2⁻⁵³ D / h`. So the normal is known
+/// to `2⁻²⁸`.
 pub(crate) const FAR: f64 = (1_u64 << 50) as f64;
 
 queries!(
@@ -92,7 +97,7 @@ impl Solve for Sphere {
         // The ends of the part of the line that lies in the ball.
         let (near, far) = (-b - root, -b + root);
         let product = (near * far).abs();
-        if (discriminant <= grazing) | (product <= grazing) | (product > FAR * square) {
+        if (discriminant <= grazing) | (product <= grazing) | (product > FAR * discriminant) {
             return Common::Unsure;
         }
         let (near, far) = (near * over_a, far * over_a);

@@ -39,7 +39,9 @@ impl Families for BilinearPatch {
         Family { name: "parallel to a ruling", why: "one segment of the patch lies along the ray", curve: None,
             levels: &[0.0, 1e-5, 1e-3], make: ruling },
         Family { name: "grazing", why: "the ray passes a fold", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9], make: grazing },
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9], make: |r, gap| grazing(r, gap, 3.0) },
+        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
         Family { name: "world offset", why: "coordinates have few digits left", curve: None,
             levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
         Family { name: "sliver", why: "one side is 1e-4 of the other", curve: None, levels: &[1e-4],
@@ -161,7 +163,7 @@ fn ruling(random: &mut Random, tilt: f64) -> (BilinearPatch, Ray) {
 }
 
 /// In the tangent plane of a point, moved along the normal.
-fn grazing(random: &mut Random, gap: f64) -> (BilinearPatch, Ray) {
+fn grazing(random: &mut Random, gap: f64, distance: f64) -> (BilinearPatch, Ray) {
     let corners = bent(random, 0.4);
     let (u, v) = (random.unit(), random.unit());
     let along_u = at(corners, 1.0, v) - at(corners, 0.0, v);
@@ -169,7 +171,7 @@ fn grazing(random: &mut Random, gap: f64) -> (BilinearPatch, Ray) {
     let normal = along_u.cross(along_v).normalize();
     let direction = random.perpendicular(normal);
     let target = at(corners, u, v) + normal * (random.sign() * 0.3 * gap);
-    (patch(corners), toward(target, direction, 3.0))
+    (patch(corners), toward(target, direction, distance))
 }
 
 fn offset(random: &mut Random, offset: f64) -> (BilinearPatch, Ray) {

@@ -32,7 +32,9 @@ impl Families for RoundedCone {
         Family { name: "along a generator", why: "the quadratic part vanishes", curve: None,
             levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], make: generator },
         Family { name: "grazing", why: "the discriminant is nearly zero", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: grazing },
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| grazing(r, gap, 10.0) },
+        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
         Family { name: "inside", why: "only the last crossing counts", curve: None, levels: &[1.0],
             make: inside },
         Family { name: "on the surface", why: "t_min = 1e-4 hides the near crossing", curve: None,
@@ -159,14 +161,14 @@ fn generator(random: &mut Random, gap: f64) -> (RoundedCone, Ray) {
     (body.shape(), toward(point, along * random.sign(), 10.0))
 }
 
-fn grazing(random: &mut Random, gap: f64) -> (RoundedCone, Ray) {
+fn grazing(random: &mut Random, gap: f64, distance: f64) -> (RoundedCone, Ray) {
     let body = usual(random);
     let (normal, along) = body.generator(random);
     let angle = random.range(0.0, std::f64::consts::TAU);
     let direction = along * angle.cos() + normal.cross(along) * angle.sin();
     let (center, radius) = body.ball(random.unit());
     let point = center + normal * (radius + random.sign() * gap);
-    (body.shape(), toward(point, direction, 10.0))
+    (body.shape(), toward(point, direction, distance))
 }
 
 fn inside(random: &mut Random, _: f64) -> (RoundedCone, Ray) {

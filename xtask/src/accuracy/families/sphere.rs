@@ -12,7 +12,9 @@ impl Families for Sphere {
         Family { name: "distance", why: "squares of the distance cancel", curve: Some(Curve::Distance),
             levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7], make: |r, d| from(r, 1.0, d) },
         Family { name: "grazing", why: "the discriminant is nearly zero", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: grazing },
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| grazing(r, gap, 10.0) },
+        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
         Family { name: "tangent to the last bit", why: "passes by -3 to 3 roundings", curve: None,
             levels: &[1.0], make: tangent },
         Family { name: "inside", why: "one root on each side", curve: None, levels: &[1.0], make: inside },
@@ -44,11 +46,11 @@ fn from(random: &mut Random, radius: f64, distance: f64) -> (Sphere, Ray) {
     (sphere, toward(center + aside, direction, distance * radius))
 }
 
-fn grazing(random: &mut Random, gap: f64) -> (Sphere, Ray) {
+fn grazing(random: &mut Random, gap: f64, distance: f64) -> (Sphere, Ray) {
     let center = random.direction() * random.range(0.0, 2.0);
     let direction = random.direction();
     let aside = random.perpendicular(direction) * (1.0 + random.sign() * gap);
-    (Sphere { center: center.as_vec3(), radius: 1.0 }, toward(center + aside, direction, 10.0))
+    (Sphere { center: center.as_vec3(), radius: 1.0 }, toward(center + aside, direction, distance))
 }
 
 /// Coordinates that need no rounding, so that the ray passes the sphere by exactly -3 to 3 units in
