@@ -1,5 +1,5 @@
-//! Ctrl-C: a render stops at the next pass and writes nothing; files that are being written are
-//! finished. A second Ctrl-C ends the program at once.
+//! Ctrl-C: a render stops at the next pass and what there is is written. A second Ctrl-C ends the
+//! program at once.
 
 use std::fmt;
 use std::sync::OnceLock;
@@ -36,13 +36,13 @@ impl Cancel {
     }
 }
 
-/// The error of work that Ctrl-C has ended.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cancelled;
+/// The error of work that Ctrl-C has ended: it says what was written.
+#[derive(Clone, Debug)]
+pub(crate) struct Cancelled(pub(crate) String);
 
 impl fmt::Display for Cancelled {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("interrupted; nothing was written")
+        write!(f, "interrupted; {}", self.0)
     }
 }
 

@@ -3,6 +3,7 @@
 //! Renders the scene vanilla and enhanced with equal seeds. Writes into one folder: `vanilla` and
 //! `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and `report.html`.
 
+use crate::cancel::Cancelled;
 use crate::console::{Table, say};
 use crate::difference::Difference;
 use crate::kinds::{Kind, KindArgs, enhance};
@@ -11,7 +12,7 @@ use crate::picture::{Picture, write_png};
 use crate::report::{self, Report, Timing};
 use crate::scene_source::{LoadArgs, NamedScene, load};
 use crate::shot::{Shot, ShotArgs, take};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use rotund_trace::Options;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -49,15 +50,37 @@ pub(crate) fn run(args: Args) -> Result<()> {
     prepare_folder(&folder)?;
 
     let kinds = args.kinds.kinds();
-    let [vanilla, enhanced] = args.shot.with_threads(|| -> Result<_> {
+    let shots = args.shot.with_threads(|| {
         enhance(&mut scene.scene, &[]);
-        let vanilla = take(&scene.scene, camera, &options, "vanilla")?;
+        let vanilla = take(&scene.scene, camera, &options, NAMES[0]);
+        if vanilla.interrupted {
+            return [Some(vanilla), None];
+        }
         enhance(&mut scene.scene, &kinds);
-        let enhanced = take(&scene.scene, camera, &options, "enhanced")?;
-        Ok([vanilla, enhanced])
-    })??;
+        let enhanced = take(&scene.scene, camera, &options, NAMES[1]);
+        [Some(vanilla), Some(enhanced)]
+    })?;
+    let [Some(vanilla), Some(enhanced)] = shots else {
+        for shot in shots.iter().flatten() {
+            write_picture(&folder, NAMES[0], shot)?;
+        }
+        let done = shots.iter().flatten().map(|shot| shot.film.samples).sum::<u32>();
+        bail!(Cancelled(format!(
+            "{} holds vanilla with {done} of {} samples",
+            folder.display(),
+            options.samples
+        )));
+    };
+    let done = enhanced.film.samples;
     let comparison = Comparison::new(&scene, camera, &options, &kinds, vanilla, enhanced)?;
     comparison.write(&folder)?;
+    if done < options.samples {
+        bail!(Cancelled(format!(
+            "{} holds vanilla with all and enhanced with {done} of {} samples",
+            folder.display(),
+            options.samples
+        )));
+    }
     if args.json {
         say(serde_json::to_string_pretty(&comparison.metrics())?)
     } else {
@@ -78,6 +101,13 @@ struct Comparison<'a> {
 }
 
 const NAMES: [&str; 2] = ["vanilla", "enhanced"];
+
+fn write_picture(folder: &Path, name: &str, shot: &Shot) -> Result<()> {
+    for extension in ["png", "exr"] {
+        rotund_trace::output::write(folder.join(format!("{name}.{extension}")), &shot.film)?;
+    }
+    Ok(())
+}
 
 impl<'a> Comparison<'a> {
     fn new(
@@ -103,10 +133,7 @@ impl<'a> Comparison<'a> {
 
     fn write(&self, folder: &Path) -> Result<()> {
         for (name, shot) in NAMES.iter().zip(&self.shots) {
-            for extension in ["png", "exr"] {
-                let path = folder.join(format!("{name}.{extension}"));
-                rotund_trace::output::write(path, &shot.film)?;
-            }
+            write_picture(folder, name, shot)?;
         }
         let title = "luminance of enhanced - vanilla";
         write_png(&folder.join("difference.png"), &self.difference.signed_map(title))?;
@@ -124,7 +151,11 @@ impl<'a> Comparison<'a> {
                 "render_seconds": shot.render_seconds,
                 "rays": shot.rays,
                 "rays_per_second": shot.rays_per_second(),
+                "samples": shot.film.samples,
+                "samples_per_second": shot.samples_per_second(),
                 "rejected_samples": shot.film.rejected,
+                "fireflies": shot.film.fireflies,
+                "clamped_samples": shot.film.clamped,
             })
         });
         json!({
@@ -152,7 +183,9 @@ impl<'a> Comparison<'a> {
             row("render, s", 2, |shot| shot.render_seconds),
             row("rays, millions", 2, |shot| shot.rays as f64 / 1e6),
             row("Mrays/s", 2, |shot| shot.rays_per_second() / 1e6),
+            row("Msamples/s", 2, |shot| shot.samples_per_second() / 1e6),
             row("rejected samples", 0, |shot| shot.film.rejected as f64),
+            row("fireflies", 0, |shot| shot.film.fireflies as f64),
         ]
     }
 

@@ -11,7 +11,7 @@
 //! | 0 | done |
 //! | 1 | the command failed; standard error has one line, `error: ...` |
 //! | 2 | the command line was not understood; standard error says what was expected |
-//! | 130 | interrupted by Ctrl-C; nothing was written |
+//! | 130 | interrupted by Ctrl-C; standard error says what was written |
 //!
 //! A reader that closes standard output early (`cargo xtask ... | head`) is not an error.
 
@@ -24,6 +24,7 @@ use std::process::ExitCode;
 
 mod accuracy;
 mod cancel;
+mod checkpoint;
 mod compare;
 mod console;
 mod diff;
@@ -31,6 +32,7 @@ mod difference;
 mod golden;
 mod info;
 mod kinds;
+mod merge;
 mod output;
 mod picture;
 mod progress;
@@ -47,7 +49,7 @@ Exit codes:
   0    done
   1    the command failed; standard error says why in one line
   2    the command line was not understood
-  130  interrupted by Ctrl-C; nothing was written
+  130  interrupted by Ctrl-C; standard error says what was written
 
 Examples:
   cargo xtask compare shapes4
@@ -70,6 +72,8 @@ enum Command {
     Compare(compare::Args),
     /// Render one picture of a scene.
     Render(render::Args),
+    /// Make one picture of the shards of a render.
+    Merge(merge::Args),
     /// Say in numbers how far two images are apart.
     Diff(diff::Args),
     /// List what a scene holds.
@@ -89,6 +93,7 @@ impl Command {
         match self {
             Self::Compare(args) => compare::run(args),
             Self::Render(args) => render::run(args),
+            Self::Merge(args) => merge::run(args),
             Self::Diff(args) => diff::run(args),
             Self::Info(args) => info::run(args),
             Self::Accuracy(args) => accuracy::run(args),

@@ -17,6 +17,11 @@ pub(crate) fn check_image_file(path: &Path) -> Result<()> {
     if !["png", "exr", "hdr"].contains(&extension.as_str()) {
         bail!("cannot write {}: an image is named *.png, *.exr or *.hdr", path.display());
     }
+    check_file(path)
+}
+
+/// Makes sure that a file can be made under this name.
+pub(crate) fn check_file(path: &Path) -> Result<()> {
     if path.is_dir() {
         bail!("cannot write {}: it is a folder", path.display());
     }

@@ -3,11 +3,27 @@
 use crate::cancel::Cancel;
 use crate::progress::Meter;
 use crate::scene_source::{NamedScene, find_camera};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use rotund_scene::{Scene, Trees};
-use rotund_trace::{Film, Lights, Options, render};
+use rotund_trace::{Film, Lights, Options, Sequence, resume};
 use std::ops::ControlFlow;
 use std::time::Instant;
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum SamplerKind {
+    /// Owen-scrambled Sobol points: noise falls faster.
+    Sobol,
+    /// Independent numbers, the textbook Monte Carlo.
+    Independent,
+}
+
+fn parse_clamp(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(clamp) if clamp > 0.0 => Ok(clamp),
+        _ => Err("a radiance is a number above zero".to_owned()),
+    }
+}
 
 /// How to take a picture of a scene.
 #[derive(Clone, Debug, clap::Args)]
@@ -27,6 +43,12 @@ pub(crate) struct ShotArgs {
     /// Another seed is another picture of the same scene.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
+    /// Where random numbers come from.
+    #[arg(long, value_enum, default_value = "sobol")]
+    sampler: SamplerKind,
+    /// Scale samples down whose largest channel is above this: less noise, but light is lost.
+    #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
+    clamp: Option<f32>,
     /// Threads to render with; one for each processor if not given. The picture is the same.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 10))]
     pub(crate) threads: Option<u32>,
@@ -43,6 +65,11 @@ impl ShotArgs {
             samples: self.samples,
             bounces: self.bounces,
             seed: self.seed,
+            sequence: match self.sampler {
+                SamplerKind::Sobol => Sequence::Sobol,
+                SamplerKind::Independent => Sequence::Independent,
+            },
+            clamp: self.clamp,
             ..Options::default()
         };
         Ok((camera, options))
@@ -66,38 +93,79 @@ pub(crate) struct Shot {
     pub(crate) render_seconds: f64,
     /// Rays traced, shadow rays included.
     pub(crate) rays: u64,
+    /// Samples of all pixels that were taken in this run.
+    pub(crate) samples: u64,
+    /// Ctrl-C ended it early: the film has fewer samples than asked for.
+    pub(crate) interrupted: bool,
 }
 
 impl Shot {
     pub(crate) fn rays_per_second(&self) -> f64 {
         self.rays as f64 / self.render_seconds.max(1e-9)
     }
+
+    pub(crate) fn samples_per_second(&self) -> f64 {
+        self.samples as f64 / self.render_seconds.max(1e-9)
+    }
 }
 
-/// Renders a scene as its shapes say, with a progress meter under the name `label`.
-///
-/// # Errors
-///
-/// If Ctrl-C is pressed.
-pub(crate) fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Result<Shot> {
-    let cancel = Cancel::listen();
+/// Renders a scene as its shapes say, with a progress meter under the name `label`. Ctrl-C ends it
+/// early.
+pub(crate) fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Shot {
     let start = Instant::now();
     let trees = Trees::build(scene);
+    let build_seconds = start.elapsed().as_secs_f64();
+    let film = Film::new(options);
+    let mut shot = take_on(film, scene, &trees, camera, options, label, &mut |_| {});
+    shot.build_seconds += build_seconds;
+    shot
+}
+
+/// [`take`] with a film that may have samples already; `each_pass` is shown the film now and then.
+pub(crate) fn take_on(
+    mut film: Film,
+    scene: &Scene,
+    trees: &Trees,
+    camera: usize,
+    options: &Options,
+    label: &str,
+    each_pass: &mut dyn FnMut(&Film),
+) -> Shot {
+    let cancel = Cancel::listen();
+    let start = Instant::now();
     let lights = Lights::build(scene);
     let build_seconds = start.elapsed().as_secs_f64();
 
-    let mut meter = Meter::new(label, options.samples);
+    let wanted = options.shard.share_of(options.samples);
+    let before = film.samples;
+    let mut meter = Meter::new(label, wanted);
     let mut rays = 0;
     let start = Instant::now();
-    let film = render(scene, &trees, &lights, camera, options, &mut |progress| {
+    resume(&mut film, scene, trees, &lights, camera, options, &mut |progress| {
         rays = progress.rays;
         meter.update(progress.film.samples, progress.rays, progress.elapsed);
+        each_pass(progress.film);
         if cancel.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     let render_seconds = start.elapsed().as_secs_f64();
     meter.finish();
-    if film.samples < options.samples {
-        bail!(crate::cancel::Cancelled);
+    let pixels = u64::from(film.width) * u64::from(film.height);
+    let samples = pixels * u64::from(film.samples - before);
+    let interrupted = film.samples < wanted;
+    Shot { film, build_seconds, render_seconds, rays, samples, interrupted }
+}
+
+/// What is to be said of samples that are not as they should be; nothing if all are.
+pub(crate) fn odd_samples(film: &Film) -> String {
+    let mut text = String::new();
+    for (count, what) in [
+        (film.rejected, "no radiance, counted as black"),
+        (film.fireflies, "brighter than any light"),
+        (film.clamped, "clamped"),
+    ] {
+        if count > 0 {
+            text += &format!("; samples {what}: {count}");
+        }
     }
-    Ok(Shot { film, build_seconds, render_seconds, rays })
+    text
 }

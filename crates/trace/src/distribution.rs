@@ -5,8 +5,8 @@
 
 use glam::Vec2;
 
-/// A table of weights.
-#[derive(Clone, Debug)]
+/// A table of weights; none by default.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
     /// `cumulative[i]` is the chance of the cells before `i`; one more entry than cells.
     cumulative: Vec<f32>,

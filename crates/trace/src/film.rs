@@ -17,6 +17,11 @@ pub struct Film {
     pub samples: u32,
     /// Samples whose radiance was not a number, negative, or 2³⁹ and more: they count as black.
     pub rejected: u64,
+    /// Samples brighter than any source of light in the scene, which no picture can be: the noise of
+    /// paths that are found too seldom. They count in full.
+    pub fireflies: u64,
+    /// Samples that [`Options::clamp`] has scaled down.
+    pub clamped: u64,
     /// The seed of its samples.
     pub seed: u64,
     /// Which samples of the picture it holds.
@@ -63,9 +68,9 @@ pub enum MergeError {
         "film {number} is of another picture than film 1: size, seed, label and shard count must agree"
     )]
     Different { number: usize },
-    #[error("shard {index} of {count} is there {times} times, not once")]
+    #[error("shard {}/{count} is there {times} times, not once", index + 1)]
     Shards { index: u32, count: u32, times: usize },
-    #[error("shard {index} has {samples} samples, not {expected}: it is not finished")]
+    #[error("shard {} has {samples} samples, not {expected}: it is not finished", index + 1)]
     Unfinished { index: u32, samples: u32, expected: u32 },
 }
 
@@ -104,6 +109,8 @@ impl Film {
             height,
             samples: 0,
             rejected: 0,
+            fireflies: 0,
+            clamped: 0,
             seed,
             shard,
             label: String::new(),
@@ -141,6 +148,8 @@ impl Film {
         let mut sum = Self { shard: Shard::default(), samples, ..first.clone() };
         for film in &films[1..] {
             sum.rejected += film.rejected;
+            sum.fireflies += film.fireflies;
+            sum.clamped += film.clamped;
             for (pixel, part) in sum.pixels.iter_mut().zip(&film.pixels) {
                 pixel.covered += part.covered;
                 for (radiance, part) in pixel.radiance.iter_mut().zip(part.radiance) {

@@ -42,6 +42,7 @@ pub mod phase;
 mod render;
 mod sampler;
 mod shadow;
+mod view;
 pub mod warp;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue};
@@ -50,3 +51,4 @@ pub use light::Lights;
 pub use mis::power_heuristic;
 pub use render::{Options, Progress, render, resume};
 pub use sampler::{Sampler, Sequence};
+pub use view::{Layers, View, layers};

@@ -8,10 +8,10 @@
 use crate::light::Receiver;
 use crate::medium::{Media, Medium};
 use crate::shadow::{Departure, Target};
-use crate::{Bsdf, Lights, Sampler, phase, power_heuristic};
+use crate::{Bsdf, Lights, Options, Sampler, View, phase, power_heuristic, view};
 use glam::{Vec2, Vec3};
-use rotund_geometry::{Ray, leave_surface};
-use rotund_scene::{MaterialKind, MaterialPoint, Scene, SceneHit, Trees};
+use rotund_geometry::{Aabb, Ray, leave_surface};
+use rotund_scene::{Material, MaterialKind, MaterialPoint, Pixels, Scene, SceneHit, Trees};
 
 /// What all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,10 @@ pub(crate) struct World<'a> {
     pub(crate) bounces: u32,
     /// No surface lets rays go straight through.
     pub(crate) opaque: bool,
+    /// All directions send radiance 1, and nothing else shines.
+    pub(crate) furnace: bool,
+    /// Of the scene, for a view that shows positions.
+    pub(crate) bounds: Aabb,
 }
 
 /// What a path brings home.
@@ -41,7 +45,7 @@ pub(crate) const SHEETS: u32 = 1024;
 /// Dimension sets of a path: the camera takes the first, each segment three.
 const SETS_PER_SEGMENT: u32 = 3;
 /// Sets of decisions at sheets of partial opacity, which come in any number.
-const SHEET_SETS: u32 = 1 << 16;
+pub(crate) const SHEET_SETS: u32 = 1 << 16;
 
 /// Where the last direction was drawn, unless from a discrete few.
 struct Origin {
@@ -70,7 +74,22 @@ enum Next {
     End,
 }
 
-impl World<'_> {
+impl<'a> World<'a> {
+    /// Looks through the scene for what all paths need to know.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        trees: &'a Trees,
+        lights: &'a Lights,
+        options: &Options,
+    ) -> Self {
+        let bounds = match options.view {
+            View::Position => view::bounds(scene),
+            _ => Aabb::EMPTY,
+        };
+        let (bounces, furnace) = (options.bounces, options.view == View::Furnace);
+        Self { scene, trees, lights, bounces, opaque: is_opaque(scene), furnace, bounds }
+    }
+
     /// The radiance that comes along a ray of unit direction.
     pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler) -> Arrived {
         let mut path = Path {
@@ -148,7 +167,12 @@ impl Path<'_> {
     }
 
     fn gather_environment(&mut self) {
-        let World { scene, lights, .. } = self.world;
+        let World { scene, lights, furnace, .. } = self.world;
+        if *furnace {
+            self.arrived.radiance += self.throughput;
+            self.arrived.covered = true;
+            return;
+        }
         let weight = self.origin.as_ref().map_or(1.0, |origin| {
             let other = lights.environment_pdf(&origin.receiver, self.ray.direction);
             power_heuristic(origin.pdf, other)
@@ -159,7 +183,7 @@ impl Path<'_> {
     }
 
     fn gather_emission(&mut self, hit: &SceneHit, emission: Vec3) {
-        if emission != Vec3::ZERO {
+        if emission != Vec3::ZERO && !self.world.furnace {
             let weight = self.origin.as_ref().map_or(1.0, |origin| {
                 power_heuristic(origin.pdf, self.world.lights.hit_pdf(&origin.receiver, hit))
             });
@@ -174,8 +198,11 @@ impl Path<'_> {
         departure: &Departure<'_>,
         scatter: impl Fn(Vec3) -> (Vec3, f32),
     ) {
+        let World { scene, lights, bounces, furnace, .. } = self.world;
+        if *furnace {
+            return;
+        }
         let [choice, x, y, _] = self.numbers(0);
-        let World { scene, lights, bounces, .. } = self.world;
         let Some(light) = lights.sample(scene, receiver, choice, Vec2::new(x, y)) else { return };
         let (value, pdf) = scatter(light.incoming);
         if value == Vec3::ZERO {
@@ -277,4 +304,21 @@ fn sides_agree(hit: &SceneHit, normal: Vec3, outgoing: Vec3, incoming: Vec3) -> 
     let shading = normal.dot(outgoing) * normal.dot(incoming) > 0.0;
     let geometric = hit.normal.dot(outgoing) * hit.normal.dot(incoming) > 0.0;
     shading == geometric
+}
+
+/// True if no surface of the scene lets rays go straight through.
+fn is_opaque(scene: &Scene) -> bool {
+    let image_is_opaque = |texture: &Option<u32>| {
+        texture.is_none_or(|texture| match &scene.textures[texture as usize].pixels {
+            Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
+            Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
+        })
+    };
+    let is_opaque = |material: &Material| {
+        material.opacity >= 1.0
+            && material.kind != MaterialKind::Volumetric
+            && image_is_opaque(&material.color_tex)
+    };
+    scene.materials.iter().all(is_opaque)
+        && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
 }

@@ -1,10 +1,10 @@
 //! All pixels of a picture, over all threads.
 
 use crate::path::World;
-use crate::{Film, Lights, Sampler, Sequence, Shard, film::PixelSum};
+use crate::{Film, Lights, Sampler, Sequence, Shard, View, film::PixelSum};
 use glam::Vec2;
 use rayon::prelude::*;
-use rotund_scene::{Material, MaterialKind, Pixels, Scene, Trees};
+use rotund_scene::{Scene, Trees};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -25,6 +25,11 @@ pub struct Options {
     pub sequence: Sequence,
     /// Which of the samples are rendered.
     pub shard: Shard,
+    /// What the picture shows.
+    pub view: View,
+    /// Samples whose largest channel is above this are scaled down to it. That takes light away, so
+    /// there is none by default; [`Film::clamped`] counts them.
+    pub clamp: Option<f32>,
 }
 
 impl Default for Options {
@@ -37,6 +42,8 @@ impl Default for Options {
             seed: 0,
             sequence: Sequence::Sobol,
             shard: Shard::default(),
+            view: View::Path,
+            clamp: None,
         }
     }
 }
@@ -93,18 +100,29 @@ pub fn resume(
     let of_options = (options.width, options.height, options.seed, options.shard);
     assert!(of_film == of_options, "a film of {of_film:?} cannot be resumed as {of_options:?}");
     let camera = &scene.cameras[camera];
-    let world = World { scene, trees, lights, bounces: options.bounces, opaque: is_opaque(scene) };
+    let world = World::new(scene, trees, lights, options);
+    let brightest = match options.view {
+        View::Path => lights.brightest(),
+        _ => f32::INFINITY,
+    };
+    // What is exactly as bright may come out a few roundings brighter.
+    let brightest = brightest * (1.0 + 1.0 / 1024.0);
+    let clamp = options.clamp.unwrap_or(f32::INFINITY);
     let size = Vec2::new(options.width as f32, options.height as f32);
-    // One sample of one pixel; returns the rays it took and whether it was rejected.
-    let sample = |sum: &mut PixelSum, x: u32, y: u32, index: u32| -> [u64; 2] {
+    // One sample of one pixel; returns the rays it took and whether it was rejected, was brighter than
+    // any source and was clamped.
+    let sample = |sum: &mut PixelSum, x: u32, y: u32, index: u32| -> [u64; 4] {
         let index = options.shard.index + index * options.shard.count;
         let sampler = Sampler::new(options.sequence, options.seed, x, y, index);
         let [u, v, lens_u, lens_v] = sampler.set(0);
         let image_uv = Vec2::new(x as f32 + u, y as f32 + v) / size;
         let lens_uv = crate::warp::disk(Vec2::new(lens_u, lens_v));
-        let arrived = world.trace(camera.ray(image_uv, lens_uv), &sampler);
-        let fit = sum.add(arrived.radiance.to_array(), arrived.covered);
-        [arrived.rays, u64::from(!fit)]
+        let arrived = world.look(options.view, camera.ray(image_uv, lens_uv), &sampler);
+        let bright = arrived.radiance.max_element();
+        let clamped = bright > clamp;
+        let radiance = if clamped { arrived.radiance * (clamp / bright) } else { arrived.radiance };
+        let fit = sum.add(radiance.to_array(), arrived.covered);
+        [arrived.rays, u64::from(!fit), u64::from(fit && bright > brightest), u64::from(clamped)]
     };
 
     let start = Instant::now();
@@ -116,24 +134,24 @@ pub fn resume(
         let first = film.samples;
         let last = samples.min(first.saturating_add(pass_samples));
         let row = |(y, row): (usize, &mut [PixelSum])| {
-            let mut counts = [0, 0];
+            let mut counts = [0; 4];
             for (x, sum) in row.iter_mut().enumerate() {
                 for index in first..last {
-                    let [rays, rejected] = sample(sum, x as u32, y as u32, index);
-                    counts[0] += rays;
-                    counts[1] += rejected;
+                    counts = add(counts, sample(sum, x as u32, y as u32, index));
                 }
             }
             counts
         };
-        let [pass_rays, rejected] = film
+        let [pass_rays, rejected, fireflies, clamped] = film
             .pixels
             .par_chunks_mut(film.width as usize)
             .enumerate()
             .map(row)
-            .reduce(|| [0, 0], |a, b| [a[0] + b[0], a[1] + b[1]]);
+            .reduce(|| [0; 4], add);
         rays += pass_rays;
         film.rejected += rejected;
+        film.fireflies += fireflies;
+        film.clamped += clamped;
         film.samples = last;
         if progress(&Progress { film, rays, elapsed: start.elapsed() }).is_break() {
             break;
@@ -146,19 +164,6 @@ pub fn resume(
 /// Passes get longer until they take between half of this and twice as much.
 const PASS_TIME: Duration = Duration::from_millis(500);
 
-/// True if no surface of the scene lets rays go straight through.
-fn is_opaque(scene: &Scene) -> bool {
-    let image_is_opaque = |texture: &Option<u32>| {
-        texture.is_none_or(|texture| match &scene.textures[texture as usize].pixels {
-            Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
-            Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
-        })
-    };
-    let is_opaque = |material: &Material| {
-        material.opacity >= 1.0
-            && material.kind != MaterialKind::Volumetric
-            && image_is_opaque(&material.color_tex)
-    };
-    scene.materials.iter().all(is_opaque)
-        && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
+fn add(a: [u64; 4], b: [u64; 4]) -> [u64; 4] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }

@@ -4,10 +4,12 @@ mod support;
 
 use rotund_scene::{Scene, Trees};
 use rotund_trace::output::{load_film, save_film};
-use rotund_trace::{Film, Lights, MergeError, Options, Progress, Shard, render, resume};
+use rotund_trace::{Film, Lights, MergeError, Options, Progress, Shard, View, render, resume};
 use std::ops::ControlFlow;
 
 const OPTIONS: Options = Options {
+    view: View::Path,
+    clamp: None,
     width: 48,
     height: 32,
     samples: 8,

@@ -16,7 +16,7 @@ use super::luminance;
 ///
 /// Source: O. Karlík, M. Šik, P. Vévoda, T. Skřivan, J. Křivánek, "MIS Compensation: Optimizing
 /// Sampling Techniques in Multiple Importance Sampling", SIGGRAPH Asia 2019.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct EnvironmentLights {
     /// Which of `images`, by what they add to the light of a surface.
     choice: Table,

@@ -13,18 +13,19 @@ mod tree;
 use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
-use rotund_scene::{Scene, SceneHit};
+use rotund_scene::{Instance, Scene, SceneHit};
 pub(crate) use tree::Receiver;
 use tree::{Extent, LightTree};
 
 /// All light sources of a scene, ready to be drawn from any point.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Lights {
     emitters: Vec<Emitter>,
     tree: LightTree,
     /// For each instance, where the emitters of its elements begin, if it has emitters.
     first_emitter: Vec<Option<u32>>,
     environments: EnvironmentLights,
+    brightest: f32,
 }
 
 /// A drawn direction to a light.
@@ -78,7 +79,13 @@ impl Lights {
             emitters,
             first_emitter,
             environments: EnvironmentLights::new(scene),
+            brightest: brightest(scene),
         }
+    }
+
+    /// A bound on the radiance of any channel of what shines, and so of any pixel.
+    pub(crate) fn brightest(&self) -> f32 {
+        self.brightest
     }
 
     /// The chance that an environment is drawn rather than an emitter.
@@ -145,4 +152,28 @@ impl Lights {
             * self.tree.chance(receiver, index)
             * emitter.pdf(receiver.position, hit)
     }
+}
+
+/// The largest channel of all that shines in a scene, all environments together.
+fn brightest(scene: &Scene) -> f32 {
+    let of_texture = |index: Option<u32>| {
+        let Some(index) = index else { return Vec3::ONE };
+        let texture = &scene.textures[index as usize];
+        let places = (0..texture.height).flat_map(|y| (0..texture.width).map(move |x| (x, y)));
+        let colors = places.map(|(x, y)| texture.color_at(x, y).truncate());
+        colors.fold(Vec3::ZERO, Vec3::max)
+    };
+    let sky: Vec3 =
+        scene.environments.iter().map(|sky| sky.emission * of_texture(sky.emission_tex)).sum();
+    let of_instance = |instance: &Instance| {
+        let material = &scene.materials[instance.material as usize];
+        if material.emission == Vec3::ZERO {
+            return 0.0;
+        }
+        let colors = &scene.shapes[instance.shape as usize].colors;
+        let vertices = colors.iter().map(|color| color.truncate()).reduce(Vec3::max);
+        let emission = material.emission * of_texture(material.emission_tex);
+        (emission * vertices.unwrap_or(Vec3::ONE)).max_element()
+    };
+    scene.instances.iter().map(of_instance).fold(sky.max_element(), f32::max)
 }

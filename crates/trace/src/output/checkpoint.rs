@@ -1,7 +1,7 @@
 //! Films on disk, to go on with later or to merge with others.
 //!
 //! All numbers are little-endian: 16 bytes of magic; width, height, samples, shard index and shard
-//! count as `u32`; rejected and seed as `u64`; the length of the label as `u32` and its UTF-8; for each
+//! count as `u32`; rejected, fireflies, clamped and seed as `u64`; the length of the label as `u32` and its UTF-8; for each
 //! pixel three sums as `u128` and the covered samples as `u32`; and a hash of all before it, so that a
 //! file that was cut or changed is refused.
 
@@ -13,7 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-const MAGIC: &[u8; 16] = b"rotund film 001\n";
+const MAGIC: &[u8; 16] = b"rotund film 002\n";
 const PIXEL_BYTES: usize = 3 * 16 + 4;
 
 /// Why a checkpoint was refused.
@@ -39,8 +39,9 @@ pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError>
     for number in [film.width, film.height, film.samples, film.shard.index, film.shard.count] {
         bytes.extend(number.to_le_bytes());
     }
-    bytes.extend(film.rejected.to_le_bytes());
-    bytes.extend(film.seed.to_le_bytes());
+    for number in [film.rejected, film.fireflies, film.clamped, film.seed] {
+        bytes.extend(number.to_le_bytes());
+    }
     bytes.extend((film.label.len() as u32).to_le_bytes());
     bytes.extend(film.label.as_bytes());
     for pixel in &film.pixels {
@@ -84,14 +85,25 @@ fn parse(bytes: &[u8]) -> Option<Film> {
     let mut small = || Some(u32::from_le_bytes(take(4)?.try_into().ok()?));
     let [width, height, samples, index, count] = [small()?, small()?, small()?, small()?, small()?];
     let mut large = || Some(u64::from_le_bytes(take(8)?.try_into().ok()?));
-    let [rejected, seed] = [large()?, large()?];
+    let [rejected, fireflies, clamped, seed] = [large()?, large()?, large()?, large()?];
     let length = u32::from_le_bytes(take(4)?.try_into().ok()?);
     let label = String::from_utf8(take(length as usize)?.to_vec()).ok()?;
     let pixels: Vec<PixelSum> = rest.chunks_exact(PIXEL_BYTES).map(pixel).collect::<Option<_>>()?;
     let whole = pixels.len() == width as usize * height as usize
         && rest.len() == pixels.len() * PIXEL_BYTES;
     let shard = Shard { index, count };
-    whole.then_some(Film { width, height, samples, rejected, seed, shard, label, pixels })
+    whole.then_some(Film {
+        width,
+        height,
+        samples,
+        rejected,
+        fireflies,
+        clamped,
+        seed,
+        shard,
+        label,
+        pixels,
+    })
 }
 
 fn pixel(bytes: &[u8]) -> Option<PixelSum> {

@@ -1,8 +1,10 @@
 //! Image files, PNG for eyes, EXR and HDR for numbers; and films to go on with.
 
 mod checkpoint;
+mod layers;
 
 pub use checkpoint::{CheckpointError, load_film, save_film};
+pub use layers::write_layers;
 
 use crate::{Film, Image};
 use exr::prelude::{

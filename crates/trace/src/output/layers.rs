@@ -1,0 +1,57 @@
+//! Pictures with all that is known of their pixels.
+
+use super::{OutputError, write_with};
+use crate::{Image, Layers};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
+    WritableImage,
+};
+use glam::Vec3;
+use std::path::Path;
+
+/// Writes a picture and its layers into one EXR: `R G B A` are the picture, `albedo.R` to
+/// `position.Z` the layers, by the naming that compositors group channels by; `instance.id`,
+/// `element.id` and `material.id` are unsigned integers.
+///
+/// # Errors
+///
+/// If the file cannot be written.
+///
+/// # Panics
+///
+/// If the layers have not the size of the picture.
+pub fn write_layers(
+    path: impl AsRef<Path>,
+    image: &Image,
+    layers: &Layers,
+) -> Result<(), OutputError> {
+    let size = (image.width as usize, image.height as usize);
+    assert!(
+        (layers.width, layers.height) == (image.width, image.height),
+        "layers of {} x {} for a picture of {} x {}",
+        layers.width,
+        layers.height,
+        image.width,
+        image.height
+    );
+    let mut channels = Vec::new();
+    let mut add = |name: &str, samples| channels.push(AnyChannel::new(name, samples));
+    for (index, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
+        add(name, FlatSamples::F32(image.pixels.iter().map(|pixel| pixel[index]).collect()));
+    }
+    let mut add_vectors = |names: [&str; 3], vectors: &[Vec3]| {
+        for (index, name) in names.into_iter().enumerate() {
+            add(name, FlatSamples::F32(vectors.iter().map(|vector| vector[index]).collect()));
+        }
+    };
+    add_vectors(["albedo.R", "albedo.G", "albedo.B"], &layers.albedo);
+    add_vectors(["normal.X", "normal.Y", "normal.Z"], &layers.normal);
+    add_vectors(["position.X", "position.Y", "position.Z"], &layers.position);
+    add("depth.Z", FlatSamples::F32(layers.depth.clone()));
+    for (name, ids) in ["instance.id", "element.id", "material.id"].into_iter().zip(&layers.ids) {
+        add(name, FlatSamples::U32(ids.clone()));
+    }
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let layer = Layer::new(size, LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+    write_with(path, |file| ExrImage::from_layer(layer).write().to_buffered(file))
+}
