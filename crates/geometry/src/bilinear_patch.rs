@@ -3,6 +3,8 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::float::{round, rounding_error};
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 use crate::patch_solver::{self, Root};
 use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};

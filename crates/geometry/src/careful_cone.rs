@@ -75,7 +75,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
     let y0 = -dot(w, g) - r[0] * rho * a;
     let k1 = -(m * y0);
     let k0 = -(width * chord) - y0 * y0;
-    let spread = a * (d2 * discriminant).sqrt();
+    let spread = a * (d2 * discriminant).square_root();
     let k1_positive = k1 >= R::ZERO;
     // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
     let q = if k1_positive { -k1 - spread } else { spread - k1 };
@@ -127,7 +127,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
             if chord < R::ZERO {
                 return Attempt::Found(None);
             }
-            let root = chord.sqrt();
+            let root = chord.square_root();
             let g = dot(center, center) - radius * radius;
             if g.nearest().abs() < allowed * (radius * radius).nearest() {
                 return Attempt::TooFewDigits;

@@ -38,7 +38,7 @@ pub(crate) fn solve(
     if !odd && discriminant < Double::ZERO {
         return [None, None];
     }
-    let root = if discriminant > Double::ZERO { discriminant.sqrt() } else { Double::ZERO };
+    let root = if discriminant > Double::ZERO { discriminant.square_root() } else { Double::ZERO };
     let q = Double::exact(-0.5) * (if b < Double::ZERO { b - root } else { b + root });
     let size = [p00, p10, p01, p11]
         .iter()

@@ -6,6 +6,8 @@
 //! Source: T. J. Dekker, "A floating-point technique for extending the available precision", Numerische
 //! Mathematik 18, 1971. No fused multiply-add, so that every processor computes the same bits.
 
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// What a solver asks of its numbers, so that it can be written once for `f64` and [`Double`].
@@ -20,7 +22,7 @@ pub(crate) trait Real:
 {
     const ZERO: Self;
     fn exact(x: f32) -> Self;
-    fn sqrt(self) -> Self;
+    fn square_root(self) -> Self;
     fn nearest(self) -> f64;
 }
 
@@ -33,7 +35,7 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Self {
+    fn square_root(self) -> Self {
         self.sqrt()
     }
 
@@ -145,7 +147,7 @@ impl Real for Double {
 
     /// One step of Newton from the rounded root doubles its digits.
     #[inline]
-    fn sqrt(self) -> Self {
+    fn square_root(self) -> Self {
         let root = self.high.sqrt();
         if !(root > 0.0 && root.is_finite()) {
             return Self { high: root, low: 0.0 };
@@ -180,7 +182,7 @@ mod tests {
             let (x, y) = (Double::exact(x), Double::exact(y));
             let back = (x / y) * y - x;
             assert!(back.nearest().abs() <= 1e-31 * x.nearest(), "{back:?}");
-            let back = x.sqrt() * x.sqrt() - x;
+            let back = x.square_root() * x.square_root() - x;
             assert!(back.nearest().abs() <= 1e-31 * x.nearest(), "{back:?}");
         }
     }
@@ -188,7 +190,7 @@ mod tests {
     #[test]
     fn zero_has_the_root_zero_and_nothing_is_divided_into_a_nan_but_zero() {
         let (zero, one) = (Double::ZERO, Double::exact(1.0));
-        assert_eq!(zero.sqrt().nearest(), 0.0);
+        assert_eq!(zero.square_root().nearest(), 0.0);
         assert_eq!((one / zero).nearest(), f64::INFINITY);
         assert!((zero / zero).nearest().is_nan());
     }

@@ -48,6 +48,11 @@
 //! `tests/` holds all of this against 106-bit arithmetic; `cargo xtask accuracy` prints it beside the
 //! published methods. An origin may be 2²⁶ sizes away, and a cone 10⁶ radii long, before these bounds grow.
 //!
+//! # Without the standard library
+//!
+//! The crate needs neither `std` nor an allocator: switch the default feature `std` off, and what `core` has not
+//! (roots, angles) comes from `libm`. `glam`, whose vectors are part of the interface, is exported here.
+//!
 //! # Example
 //!
 //! ```
@@ -70,6 +75,11 @@
 //! assert!(!cone.any(&Ray::new(origin, -ray.direction)));
 //! ```
 
+#![no_std]
+
+#[cfg(any(feature = "std", test))]
+extern crate std;
+
 mod aabb;
 mod basis;
 mod bilinear_patch;
@@ -77,6 +87,8 @@ mod careful_cone;
 mod careful_patch;
 mod double_double;
 mod float;
+#[cfg(not(feature = "std"))]
+mod libm_functions;
 mod pair;
 mod patch_solver;
 mod profile;

@@ -1,12 +1,13 @@
 //! Two `f64` side by side: one register, one instruction for both.
 //!
 //! The patch does everything twice, for `u` and for `v`, or for the vertices of two edges, and the compiler
-//! does not find that by itself. On x86-64 a pair is the SSE2 register that every such processor has;
-//! elsewhere it is an array, with the same results to the last bit.
+//! does not find that by itself. On x86-64 a pair is the SSE2 register that every such processor has; elsewhere,
+//! and where a kernel keeps its hands off these registers, it is an array, with the same results to the last
+//! bit.
 
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(not(target_feature = "sse2"))]
 use portable as lanes;
-#[cfg(target_arch = "x86_64")]
+#[cfg(target_feature = "sse2")]
 use sse2 as lanes;
 
 use core::ops::{Add, Div, Mul, Sub};
@@ -176,10 +177,13 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(target_feature = "sse2")]
 mod sse2 {
     #![expect(unsafe_code, reason = "calls of functions that need a processor feature")]
 
+    #[cfg(target_arch = "x86")]
+    use core::arch::x86 as arch;
+    #[cfg(target_arch = "x86_64")]
     use core::arch::x86_64 as arch;
 
     pub(super) type Lanes = arch::__m128d;
@@ -189,7 +193,7 @@ mod sse2 {
             $(
                 #[inline(always)]
                 pub(super) fn $name($($argument: $type),+) -> $result {
-                    // SAFETY: these need SSE2 and nothing else, and every x86-64 processor has SSE2.
+                    // SAFETY: these need SSE2 and nothing else, and this module is compiled only with it.
                     unsafe { $value }
                 }
             )+
@@ -221,7 +225,7 @@ mod sse2 {
 }
 
 /// The same with arrays.
-#[cfg(any(test, not(target_arch = "x86_64")))]
+#[cfg(any(test, not(target_feature = "sse2")))]
 mod portable {
     pub(super) type Lanes = [f64; 2];
 
@@ -275,7 +279,7 @@ mod portable {
     }
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(all(test, target_feature = "sse2"))]
 mod tests {
     use super::{portable, sse2};
 

@@ -42,6 +42,8 @@
 //! chapter 8, 2019, for the choice of `a, b, c` and for the stable roots.
 
 use crate::float::accept;
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 use crate::pair::Pair;
 use crate::queries::Common;
 use crate::ray_space::RaySpace;

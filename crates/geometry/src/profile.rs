@@ -6,6 +6,8 @@ use glam::{DVec3, Vec2};
 
 use crate::RoundedCone;
 use crate::basis::across;
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 
 /// The curve that sweeps the surface when it turns about the axis, and the frame it turns in.
 ///

@@ -41,6 +41,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::careful_cone::{self, Crossing};
 use crate::float::{CANCELLATION, accept, round, rounding_error};
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 use crate::profile::Profile;
 use crate::queries::{Common, Solve, queries};
 use crate::sphere::FAR;

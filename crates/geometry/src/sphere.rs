@@ -21,6 +21,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::double_double::{Double, Real};
 use crate::float::{CANCELLATION, accept, round, rounding_error};
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};
 
@@ -127,7 +129,7 @@ impl Solve for Sphere {
         }
         // Both terms of q have the sign of -b, so their sum does not cancel; the other root comes from
         // the product of the roots, g / a.
-        let root = discriminant.sqrt();
+        let root = discriminant.square_root();
         let roots = if b >= Double::ZERO {
             let q = -b - root;
             [q / a, g / q]

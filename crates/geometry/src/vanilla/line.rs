@@ -3,6 +3,8 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::float::{accept, round, rounding_error};
+#[cfg(not(feature = "std"))]
+use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray};
 
 /// A segment that a ray hits where the two come closest, if that is within the radius there.
