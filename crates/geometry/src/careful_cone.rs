@@ -79,6 +79,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
     let k1_positive = k1 >= R::ZERO;
     // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
     let q = if k1_positive { -k1 - spread } else { spread - k1 };
+    let mut before = f64::NEG_INFINITY;
     for end in [End::Entry, End::Exit] {
         let entry = end == End::Entry;
         // Inside the cone from or to infinity: steeper than the cone, or along a cylinder.
@@ -138,6 +139,11 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
         } else {
             return Attempt::Found(None);
         };
+        // Of a cone that is longer than 106 bits can tell the exit may come out before the entry.
+        if t.nearest() < before {
+            return Attempt::Found(None);
+        }
+        before = t.nearest();
         if let Some(rounded) = accept(ray, t.nearest()) {
             let x = [0, 1, 2].map(|i| (f[i] + t * d[i] - s * e[i]).nearest());
             let crossing = Crossing { t: rounded, s: s.nearest(), from_ball: x.into() };

@@ -137,11 +137,18 @@ impl Solve for Sphere {
             let q = root - b;
             [g / q, q / a]
         };
+        // Of a radius that 106 bits do not tell from the distance the roots may come out in either order.
+        let [near, far] = roots;
+        let roots = if far < near { [near, near] } else { roots };
         roots.into_iter().find_map(|exact_t| {
             let t = accept(ray, exact_t.nearest())?;
             let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
             let from_center = DVec3::from_array(x);
-            Some(Root { t, from_center, normal: from_center / f64::from(self.radius) })
+            let normal = from_center / f64::from(self.radius);
+            // Unless it is so far away that 106 bits are too few.
+            let is_unit = (normal.dot(normal) - 1.0).abs() < 1e-9;
+            let normal = if is_unit { normal } else { normal.normalize_or(DVec3::Y) };
+            Some(Root { t, from_center, normal })
         })
     }
 

@@ -143,7 +143,7 @@ fn all(shape: impl Shape, wild: &Ray, sane: &Ray) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6000, failure_persistence: None, rng_seed: prop::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 20000, failure_persistence: None, rng_seed: prop::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
     fn of_a_sphere(center in any_point(), radius in any_number(), wild in any_ray(), sane in sane_ray()) {
