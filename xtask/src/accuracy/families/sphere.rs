@@ -123,7 +123,7 @@ mod tests {
     fn grazing_rays_pass_by_what_they_say() {
         for gap in [1e-1, 1e-3] {
             for i in 0..100 {
-                let (sphere, ray) = grazing(&mut Random::new(i), gap);
+                let (sphere, ray) = grazing(&mut Random::new(i), gap, 10.0);
                 let to_center = (sphere.center - ray.origin).as_dvec3();
                 let apart = to_center.cross(ray.direction.as_dvec3()).length();
                 assert!(((apart - 1.0).abs() / gap - 1.0).abs() < 0.01, "{apart} for {gap}");
