@@ -26,6 +26,10 @@ pub(crate) const MAX_DEPTH: usize = SAH_DEPTH + 12;
 /// Ranges up to this length are built by one thread.
 const TASK: usize = 1 << 14;
 
+/// The most primitives that a tree holds: 2^31 - 2, since one bit of 32 tells leaves from nodes. Larger scenes
+/// are split in several trees, under a [`crate::Bvh`] over their bounds.
+pub const MAX_PRIMITIVES: usize = Child::MAX_INDEX as usize;
+
 /// A tree, and the leaves it refers to.
 pub(crate) struct Built {
     pub(crate) tree: Tree,
@@ -39,17 +43,15 @@ pub(crate) struct Built {
 ///
 /// # Panics
 ///
-/// If there are more than 2^31 - 2 boxes.
+/// If there are more than [`MAX_PRIMITIVES`].
 pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &Costs) -> Built {
     assert!(
-        count <= Child::MAX_INDEX as usize,
-        "a tree holds at most {} boxes, not {count}: split the scene in several trees",
-        Child::MAX_INDEX
+        count <= MAX_PRIMITIVES,
+        "a tree holds at most {MAX_PRIMITIVES} boxes, not {count}: split the scene in several trees"
     );
     let mut records: Vec<Record> = Vec::with_capacity(count);
     records.par_extend((0..count as u32).into_par_iter().filter_map(|i| Record::new(i, bounds(i))));
-    let extent =
-        records.par_chunks(1 << 16).map(Extent::of).reduce(|| Extent::EMPTY, Extent::union);
+    let extent = Extent::of_many(&records);
     if records.is_empty() {
         let tree = Tree { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
         return Built { tree, records, leaves: Vec::new() };

@@ -71,7 +71,7 @@ impl Bvh {
     ///
     /// # Panics
     ///
-    /// If there are more than 2^31 - 2 boxes.
+    /// If there are more than [`crate::MAX_PRIMITIVES`].
     #[must_use]
     pub fn build(boxes: &[Aabb]) -> Self {
         // A closure may be dear, so each box is looked at before its closure is called.

@@ -22,6 +22,7 @@ mod slab;
 mod stack;
 mod traverse;
 
+pub use build::MAX_PRIMITIVES;
 pub use bvh::Bvh;
 pub use isa::{Isa, UnknownIsa};
 pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};

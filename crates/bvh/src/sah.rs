@@ -83,6 +83,16 @@ impl Extent {
         records.iter().fold(Self::EMPTY, Self::with)
     }
 
+    /// The same, in parallel if they are many.
+    pub(crate) fn of_many(records: &[Record]) -> Self {
+        if records.len() <= PIECE {
+            return Self::of(records);
+        }
+        let (low, high) = records.split_at(records.len() / 2);
+        let (low, high) = rayon::join(|| Self::of_many(low), || Self::of_many(high));
+        low.union(high)
+    }
+
     #[inline(always)]
     fn with(self, record: &Record) -> Self {
         let (boxed, middle) =
@@ -128,6 +138,9 @@ impl Costs {
 
 const MAX_BINS: usize = 32;
 
+/// 2^23: adding it to a small number leaves the nearest integer in the low bits.
+const NEAREST: f32 = 8_388_608.0;
+
 /// Maps the middle of a record to its bin on each axis.
 #[derive(Clone, Copy)]
 struct Mapping {
@@ -149,10 +162,10 @@ impl Mapping {
 
     #[inline(always)]
     fn bins(&self, record: &Record) -> [usize; 3] {
-        // Adding 2^23 leaves the nearest integer in the low bits: no conversion, all axes at once.
+        // No conversion, and all axes at once.
         // The difference is not negative, and the clamp drops a NaN that only lane 3 could have.
         let position = (record.middle() - self.start) * self.scale - Vec4::splat(0.5);
-        let bin = position.min(Vec4::splat(self.last)).max(Vec4::ZERO) + Vec4::splat(8_388_608.0);
+        let bin = position.min(Vec4::splat(self.last)).max(Vec4::ZERO) + Vec4::splat(NEAREST);
         let [x, y, z, _] = bin.to_array();
         [x, y, z].map(|bin| (bin.to_bits() as usize) & (MAX_BINS - 1))
     }
@@ -261,25 +274,59 @@ fn unit_scale(extent: &Extent) -> f32 {
 
 /// Cuts `records` in two, in place, and returns how many went left and the extents of both sides.
 pub(crate) fn partition(records: &mut [Record], split: Split) -> (usize, Extent, Extent) {
-    let Split::Plane { mapping: PlaneMapping(mapping), axis, bin } = split else {
-        let half = records.len() / 2;
-        return (half, Extent::of(&records[..half]), Extent::of(&records[half..]));
+    let count = match split {
+        Split::Plane { mapping: PlaneMapping(mapping), axis, bin } => {
+            move_left(records, &Side::new(&mapping, axis, bin))
+        }
+        Split::Middle => records.len() / 2,
     };
-    let goes_left = |record: &Record| mapping.bins(record)[axis] < bin;
-    let (mut left, mut right) = (Extent::EMPTY, Extent::EMPTY);
-    let (mut first, mut end) = (0, records.len());
-    loop {
-        while first < end && goes_left(&records[first]) {
-            left = left.with(&records[first]);
-            first += 1;
-        }
-        while first < end && !goes_left(&records[end - 1]) {
-            end -= 1;
-            right = right.with(&records[end]);
-        }
-        if first >= end {
-            return (first, left, right);
-        }
-        records.swap(first, end - 1);
+    let (left, right) = records.split_at(count);
+    (count, Extent::of_many(left), Extent::of_many(right))
+}
+
+/// Which records are left of a plane: [`Mapping::bins`] of one axis.
+struct Side {
+    axis: usize,
+    start: f32,
+    scale: f32,
+    last: f32,
+    bin: f32,
+}
+
+impl Side {
+    fn new(mapping: &Mapping, axis: usize, bin: usize) -> Self {
+        let (start, scale) = (mapping.start[axis], mapping.scale[axis]);
+        Self { axis, start, scale, last: mapping.last, bin: NEAREST + bin as f32 }
     }
+
+    #[inline(always)]
+    fn is_left(&self, record: &Record) -> bool {
+        let middle = 0.5 * record.lower[self.axis] + 0.5 * record.upper[self.axis];
+        let position = (middle - self.start) * self.scale - 0.5;
+        let position = if position < self.last { position } else { self.last };
+        let position = if position > 0.0 { position } else { 0.0 };
+        position + NEAREST < self.bin
+    }
+}
+
+/// Moves the records on the left to the front, and returns how many they are.
+fn move_left(records: &mut [Record], side: &Side) -> usize {
+    if records.len() <= PIECE {
+        // No branch depends on the side, which could be predicted only half of the time.
+        let mut count = 0;
+        for index in 0..records.len() {
+            let left = side.is_left(&records[index]);
+            records.swap(index, count);
+            count += usize::from(left);
+        }
+        return count;
+    }
+    // Halves are moved in parallel; then what is right in the first changes places with as much of what is
+    // left in the second.
+    let middle = records.len() / 2;
+    let (low, high) = records.split_at_mut(middle);
+    let (first, second) = rayon::join(|| move_left(low, side), || move_left(high, side));
+    let swapped = (middle - first).min(second);
+    low[first..first + swapped].swap_with_slice(&mut high[second - swapped..second]);
+    first + second
 }

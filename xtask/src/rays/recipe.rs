@@ -200,6 +200,12 @@ impl Target {
         })
     }
 
+    /// False if all points are the same, or one is not finite: then there is nothing to aim from.
+    pub(super) fn has_volume(&self) -> bool {
+        let diagonal = self.diagonal();
+        diagonal > 0.0 && diagonal.is_finite()
+    }
+
     fn center(&self) -> Vector {
         Vector(self.min).plus(Vector(self.max)).times(0.5)
     }

@@ -1,12 +1,13 @@
 //! Shooting rays: what is shot, at what, and how long it takes.
 
 use super::recipe::{self, Target};
+use cpu_time::ThreadTime;
 use rayon::prelude::*;
 use rotund_bvh::{ConeTree, Form, Isa, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
-use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
+use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use std::time::Instant;
 
-/// A tree and the loop it is held against.
+/// A tree as it is measured.
 pub(super) trait Traced: Sync {
     fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)>;
     fn any(&self, ray: &Ray, form: Form) -> bool;
@@ -19,6 +20,7 @@ pub(super) trait Primitive: Sync + Sized {
     type Tree: Traced + Send;
     fn build(primitives: &[Self], isa: Isa) -> Self::Tree;
     fn exact(&self, ray: &Ray, form: Form) -> Option<Hit>;
+    fn bounds(&self) -> Aabb;
 }
 
 macro_rules! traced {
@@ -56,6 +58,10 @@ macro_rules! traced {
                     Form::Enhanced => self.closest(ray),
                     Form::Vanilla => $vanilla.closest(ray),
                 }
+            }
+
+            fn bounds(&self) -> Aabb {
+                self.bounds()
             }
         }
     )*};
@@ -101,16 +107,11 @@ pub(super) struct Pass {
 }
 
 /// Shoots on one thread, and takes the CPU seconds of the thread, which do not count what other
-/// programs took; elapsed seconds where the system does not tell.
+/// programs took.
 pub(super) fn on_one_thread(tree: &impl Traced, volley: &Volley, form: Form) -> Pass {
-    let (start, cpu) = (Instant::now(), cpu_seconds());
+    let start = ThreadTime::now();
     let hits = shoot(tree, &volley.rays, volley.any, form);
-    let elapsed = start.elapsed().as_secs_f64();
-    let seconds = match (cpu, cpu_seconds()) {
-        (Some(before), Some(after)) => after - before,
-        _ => elapsed,
-    };
-    pass(volley, hits, seconds)
+    pass(volley, hits, start.elapsed().as_secs_f64())
 }
 
 /// Shoots on all threads of the pool, and takes elapsed seconds.
@@ -140,35 +141,4 @@ fn shoot(tree: &impl Traced, rays: &[Ray], any: bool, form: Form) -> usize {
     // Or the compiler could leave out the hits.
     std::hint::black_box(sum);
     hits
-}
-
-/// CPU seconds of this thread so far.
-pub(super) fn cpu_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
-    Some(1e-9 * nanoseconds)
-}
-
-/// The first ray whose answers differ from those of a loop over all primitives, if there is one.
-///
-/// Closest hits are compared to the bit, and any hit with whether there is a closest.
-pub(super) fn first_difference<P: Primitive>(
-    tree: &P::Tree,
-    primitives: &[P],
-    rays: &[Ray],
-    form: Form,
-) -> Option<String> {
-    rays.par_iter().find_map_any(|ray| {
-        let mut best: Option<(u32, Hit)> = None;
-        for (id, primitive) in primitives.iter().enumerate() {
-            if let Some(hit) = primitive.exact(ray, form)
-                && best.is_none_or(|(_, best)| hit.t < best.t)
-            {
-                best = Some((id as u32, hit));
-            }
-        }
-        let found = (tree.closest(ray, form), tree.any(ray, form));
-        (found != (best, best.is_some()))
-            .then(|| format!("{ray:?}: the tree says {found:?}, the loop {best:?}"))
-    })
 }

@@ -78,7 +78,7 @@ impl<P: Kernel> Packed<P> {
     ///
     /// # Panics
     ///
-    /// If there are more than 2^31 - 2 primitives.
+    /// If there are more than [`crate::MAX_PRIMITIVES`].
     #[must_use]
     pub fn build(primitives: &[P]) -> Self {
         let costs = Costs { block: 2.0, block_size: WIDTH as u32, leaf_size: WIDTH as u32 };
