@@ -5,7 +5,8 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::float::{accept, round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
-use crate::{Aabb, Hit, Ray};
+use crate::queries::{Common, Solve, queries};
+use crate::{Aabb, Hit, Ray, widen};
 
 /// A segment that a ray hits where the two come closest, if that is within the radius there.
 ///
@@ -25,76 +26,88 @@ pub struct Line {
     pub r1: f32,
 }
 
-struct Root {
+pub(crate) struct Root {
     t: f32,
     s: f64,
-    /// Distance over radius.
-    across: f64,
+    distance2: f64,
+    r: f64,
 }
 
-impl Line {
+queries!(
+    Line,
     /// Where the ray's line comes closest to the segment's line, if that has `t` in `t_min..=t_max` and
     /// the segment lies within the radius, interpolated along it.
     ///
     /// `parameters` is `(s, d / r)`: the place on the segment, and the distance over the radius there.
     /// The position of the hit is the point of the segment; the normal faces the ray, across the segment.
     /// A ray parallel to the segment misses.
-    #[must_use]
-    #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let Root { t, s, across } = self.solve(ray)?;
-        let position = round(self.at(s));
-        let axis = self.p1.as_dvec3() - self.p0.as_dvec3();
-        let d = ray.direction.as_dvec3();
-        let normal = axis * (axis.dot(d) / axis.dot(axis)) - d;
-        Some(Hit {
-            t,
-            position,
-            error: rounding_error(position),
-            normal: round(normal.normalize_or(-d.normalize())),
-            parameters: Vec2::new(s as f32, across as f32),
-        })
-    }
+);
 
-    /// The `t` of [`Self::closest`], the same bits, at less cost.
-    #[must_use]
-    #[inline]
-    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
-        self.solve(ray).map(|root| root.t)
-    }
-
-    /// True if [`Self::closest`] finds a hit.
-    #[must_use]
-    #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.solve(ray).is_some()
-    }
+impl Solve for Line {
+    type Root = Root;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Option<Root> {
-        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
-        let d = ray.direction.as_dvec3();
-        let f = self.p0.as_dvec3() - ray.origin.as_dvec3();
+    fn solve(&self, ray: &Ray) -> Common<Root> {
+        let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
+        let (o, d) = widen::ray(ray);
+        let (e, f) = (p1 - p0, p0 - o);
         let g = d.cross(e);
         let determinant = g.dot(g);
-        // Closest points of two lines; then the segment ends.
-        let s = (f.cross(d).dot(g) / determinant).clamp(0.0, 1.0);
-        let t = f.cross(e).dot(g) / determinant;
+        let over = determinant.recip();
+        // Closest points of two lines; then the segment ends. A NaN stays one.
+        let s = (f.cross(d).dot(g) * over).clamp(0.0, 1.0);
+        let turned = f.cross(e);
+        let t = turned.dot(g) * over;
         // From the point of the ray to the point of the segment.
         let x = f + s * e - t * d;
         let distance2 = x.dot(x);
-        let r = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
+        let r = r0 + s * (r1 - r0);
         // Written so that a NaN, and with it a zero determinant, fails.
         if !(distance2 <= r * r && r > 0.0 && determinant > 0.0) {
-            return None;
+            return Common::Miss;
         }
-        let t = accept(ray, t)?;
+        let Some(t) = accept(ray, t) else { return Common::Miss };
         // A ray that has just left the segment comes closest near its start: see `Point`.
         let start = 4.0 * f64::from(rounding_error(self.p0.abs().max(self.p1.abs())));
-        let nearest = f + e * (-f.dot(e) / e.dot(e)).clamp(0.0, 1.0);
-        (nearest.dot(nearest) > start * start).then(|| Root { t, s, across: distance2.sqrt() / r })
+        let (along, length2) = (-f.dot(e), e.dot(e));
+        let from_start = if along <= 0.0 {
+            f.dot(f)
+        } else if along >= length2 {
+            (f + e).dot(f + e)
+        } else {
+            turned.dot(turned) / length2
+        };
+        if from_start <= start * start {
+            return Common::Miss;
+        }
+        Common::Root(Root { t, s, distance2, r })
     }
 
+    #[inline(always)]
+    fn t(root: &Root) -> f32 {
+        root.t
+    }
+
+    #[inline(always)]
+    fn hit(&self, ray: &Ray, Root { t, s, distance2, r }: Root) -> Hit {
+        let (p0, p1) = widen::points(self.p0, self.p1);
+        let (_, d) = widen::ray(ray);
+        let axis = p1 - p0;
+        let position = round(p0 + s * axis);
+        // Across the segment, in the plane of both: e (e·d) - d (e·e).
+        let normal = d.cross(axis).cross(axis);
+        let square = normal.dot(normal);
+        Hit {
+            t,
+            position,
+            error: rounding_error(position),
+            normal: round(normal * square.sqrt().recip()),
+            parameters: Vec2::new(s as f32, (distance2.sqrt() / r) as f32),
+        }
+    }
+}
+
+impl Line {
     #[inline]
     fn at(&self, s: f64) -> DVec3 {
         let p0 = self.p0.as_dvec3();

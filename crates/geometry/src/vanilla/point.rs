@@ -3,7 +3,8 @@
 use glam::{Vec2, Vec3};
 
 use crate::float::{accept, round, rounding_error};
-use crate::{Aabb, Hit, Ray};
+use crate::queries::{Common, Solve, queries};
+use crate::{Aabb, Hit, Ray, widen};
 
 /// A point that a ray hits where it comes closest, if that is within `radius`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,50 +15,55 @@ pub struct Point {
     pub radius: f32,
 }
 
-impl Point {
+queries!(
+    Point,
     /// The closest approach, if it has `t` in `t_min..=t_max` and lies within `radius` of the point.
     ///
     /// The position of the hit is the point itself, and the normal faces the ray.
-    #[must_use]
-    #[inline]
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let t = self.closest_t(ray)?;
-        Some(Hit {
-            t,
-            position: self.center,
-            error: rounding_error(self.center),
-            normal: round(-ray.direction.as_dvec3().normalize()),
-            parameters: Vec2::ZERO,
-        })
-    }
+);
 
-    /// The `t` of [`Self::closest`], the same bits, at less cost.
-    #[must_use]
-    #[inline]
-    pub fn closest_t(&self, ray: &Ray) -> Option<f32> {
-        let f = self.center.as_dvec3() - ray.origin.as_dvec3();
-        let d = ray.direction.as_dvec3();
-        let r = f64::from(self.radius);
+impl Solve for Point {
+    type Root = f32;
+
+    #[inline(always)]
+    fn solve(&self, ray: &Ray) -> Common<f32> {
+        let (c, r) = widen::ball(self.center, self.radius);
+        let (o, d) = widen::ray(ray);
+        let f = c - o;
         let a = d.dot(d);
         let w = f.cross(d);
         // Written so that a NaN fails.
         if !(w.dot(w) <= a * r * r && r > 0.0) {
-            return None;
+            return Common::Miss;
         }
-        let t = accept(ray, f.dot(d) / a)?;
         // A ray that has just left the point comes closest where it starts: rounding decides on which
         // side. It must not hit the point again.
         let start = 4.0 * f64::from(rounding_error(self.center));
-        (f.dot(f) > start * start).then_some(t)
+        if f.dot(f) <= start * start {
+            return Common::Miss;
+        }
+        accept(ray, f.dot(d) / a).into()
     }
 
-    /// True if [`Self::closest`] finds a hit.
-    #[must_use]
-    #[inline]
-    pub fn any(&self, ray: &Ray) -> bool {
-        self.closest_t(ray).is_some()
+    #[inline(always)]
+    fn t(t: &f32) -> f32 {
+        *t
     }
 
+    #[inline(always)]
+    fn hit(&self, ray: &Ray, t: f32) -> Hit {
+        let (_, d) = widen::ray(ray);
+        Hit {
+            t,
+            position: self.center,
+            error: rounding_error(self.center),
+            normal: round(-d.normalize()),
+            parameters: Vec2::ZERO,
+        }
+    }
+}
+
+impl Point {
     /// A box that holds every closest approach that counts.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
