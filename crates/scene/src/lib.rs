@@ -22,7 +22,7 @@
 //!     scene.set_method(ElementKind::Points, method);
 //!     if let Some(hit) = trees.closest(&scene, &ray) {
 //!         let material = scene.eval_material(hit.instance, hit.element, hit.uv);
-//!         let normal = scene.eval_shading_normal(&hit, -ray.direction);
+//!         let normal = scene.shading_normal(&hit, -ray.direction);
 //!         assert!(normal.dot(ray.direction) < 0.0 && material.opacity == 1.0);
 //!     }
 //! }

@@ -77,7 +77,7 @@ fn spoiled_files_are_refused_or_load_whole() {
         );
         fs::write(folder.path().join("scene.json"), around).expect("writes the scene");
         let mut random = Random(41);
-        for _ in 0..1000 {
+        for _ in 0..500 {
             let bytes = spoiled(good, &mut random);
             fs::write(&path, &bytes).expect("writes the file");
             let Ok(result) = load(&scene, &LoadOptions::default()) else {
@@ -88,7 +88,7 @@ fn spoiled_files_are_refused_or_load_whole() {
             whole::check(&result.scene);
         }
     }
-    assert!(refused > 1000 && loaded > 200, "{refused} refused, {loaded} loaded");
+    assert!(refused > 500 && loaded > 100, "{refused} refused, {loaded} loaded");
 }
 
 #[test]

@@ -239,7 +239,7 @@ fn normals_turn_to_the_viewer_unless_the_surface_refracts() {
             let trees = Trees::build(&scene);
             let below = Ray::new(vec3(0.25, 0.25, -3.0), Vec3::Z);
             let hit = trees.closest(&scene, &below).expect("aimed at it");
-            let normal = scene.eval_shading_normal(&hit, Vec3::NEG_Z);
+            let normal = scene.shading_normal(&hit, Vec3::NEG_Z);
             assert_eq!(normal.z < 0.0, turns, "{kind:?} from behind: {normal}");
             assert!(hit.normal.z > 0.0, "the geometric normal keeps its side");
         }
@@ -265,7 +265,7 @@ fn a_normal_map_tilts_in_image_rows_that_run_down() {
     let trees = Trees::build(&scene);
     let hit =
         trees.closest(&scene, &Ray::new(vec3(0.5, 0.5, 3.0), Vec3::NEG_Z)).expect("aimed at it");
-    let normal = scene.eval_shading_normal(&hit, Vec3::Z);
+    let normal = scene.shading_normal(&hit, Vec3::Z);
     assert_near(normal, Vec3::ONE.normalize(), "right is x, up is y");
 }
 
@@ -290,7 +290,7 @@ fn vanilla_points_and_lines_face_the_viewer() {
     ] {
         let scene = scene_of(shape, Affine3A::IDENTITY, MaterialKind::Glossy);
         let hit = Trees::build(&scene).closest(&scene, &ray).expect("aimed at it");
-        assert_near(scene.eval_shading_normal(&hit, outgoing), expected, "faces the viewer");
+        assert_near(scene.shading_normal(&hit, outgoing), expected, "faces the viewer");
         assert_near(hit.position, position, "shades on the axis");
     }
 }

@@ -290,7 +290,7 @@ impl Path<'_> {
 /// viewer; for the wall of a solid that would take a path that enters for one that leaves, so there
 /// the geometric normal stands in.
 fn shading_normal(scene: &Scene, hit: &SceneHit, kind: MaterialKind, outgoing: Vec3) -> Vec3 {
-    let normal = scene.eval_shading_normal(hit, outgoing);
+    let normal = scene.shading_normal(hit, outgoing);
     let turned = normal.dot(outgoing) * hit.normal.dot(outgoing) < 0.0;
     if kind == MaterialKind::Refractive && turned { hit.normal } else { normal }
 }

@@ -8,6 +8,23 @@ use glam::{Vec2, Vec3, Vec4};
 const LEAST_ALPHA: f32 = 0.03 * 0.03;
 
 impl Scene {
+    /// The radiance that a point emits, from both sides: that of the material times vertex colour and
+    /// texture, not yet times opacity.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    #[must_use]
+    pub fn eval_emission(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
+        let material = &self.materials[self.instances[instance as usize].material as usize];
+        let Some(index) = material.emission_tex else {
+            return material.emission * self.eval_color(instance, element, uv).truncate();
+        };
+        let glow = self.textures[index as usize].color(self.eval_texcoord(instance, element, uv));
+        let vertex = self.eval_color(instance, element, uv);
+        (material.emission * glow.truncate() * vertex.truncate()).max(Vec3::ZERO)
+    }
+
     /// The material at a point: colour and emission times vertex colour and textures, opacity times
     /// both alphas, roughness times the green of its texture.
     ///
@@ -24,12 +41,12 @@ impl Scene {
         let texcoord = self.eval_texcoord(instance, element, uv);
         let texture = |index: Option<u32>| index.map(|index| &self.textures[index as usize]);
         let painted = texture(material.color_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
-        let glow = texture(material.emission_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
         let grain = texture(material.roughness_tex).map_or(Vec4::ONE, |t| t.data(texcoord));
 
         let roughness = material.roughness * grain.y;
         let alpha = roughness * roughness;
-        let color = material.color * vertex.truncate() * painted.truncate();
+        // Floating-point images may hold less than nothing.
+        let color = (material.color * vertex.truncate() * painted.truncate()).max(Vec3::ZERO);
         let (alpha, density) = match material.kind {
             MaterialKind::Matte | MaterialKind::Glossy => {
                 (alpha.clamp(LEAST_ALPHA, 1.0), Vec3::ZERO)
@@ -45,7 +62,7 @@ impl Scene {
         };
         MaterialPoint {
             kind: material.kind,
-            emission: material.emission * glow.truncate() * vertex.truncate(),
+            emission: self.eval_emission(instance, element, uv),
             color,
             opacity: (material.opacity * painted.w * vertex.w).clamp(0.0, 1.0),
             alpha,

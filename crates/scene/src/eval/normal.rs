@@ -5,61 +5,98 @@ use crate::{
     Elements, MaterialKind, Method, Scene, SceneHit, Shape, Texture, primitive::Primitive,
 };
 use glam::{Mat3A, Vec2, Vec3};
+use rotund_geometry::UNIT_ROUNDOFF;
 
 impl Scene {
-    /// The normal that light scatters about, of unit length. `outgoing` points to the viewer and need
-    /// not have unit length.
+    /// The shading normal of a point by itself: of unit length, on the outside of a solid, neither turned
+    /// to a viewer nor bounded for one. [`Self::shading_normal`] does both.
     ///
-    /// | element | vanilla | enhanced |
-    /// | --- | --- | --- |
-    /// | point | `outgoing` | of the sphere |
-    /// | line | `outgoing`, made orthogonal to the interpolated tangent | of the cone |
-    /// | triangle, quad | of the vertices, else of the face (of a quad the mean of its two triangles); then the normal map | the same, of the patch |
-    ///
-    /// Refractive surfaces keep their side, for it tells in from out; all others turn to the viewer.
+    /// Vanilla points and lines have none without a viewer, and give [`Self::eval_normal`].
     ///
     /// # Panics
     ///
     /// If an index is out of range.
     #[must_use]
-    pub fn eval_shading_normal(&self, hit: &SceneHit, outgoing: Vec3) -> Vec3 {
+    pub fn eval_shading_normal(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
+        let geometric = self.eval_normal(instance, element, uv);
+        self.bent_normal(instance, element, uv, geometric)
+    }
+
+    /// The normal that light scatters about at a hit, of unit length. `outgoing` points to the viewer and
+    /// need not have unit length.
+    ///
+    /// | element | vanilla | enhanced |
+    /// | --- | --- | --- |
+    /// | point | `outgoing` | of the sphere, then the normal map |
+    /// | line | `outgoing`, made orthogonal to the interpolated tangent | of the cone, then the normal map |
+    /// | triangle, quad | of the vertices, else of the face (of a quad the mean of its two triangles); then the normal map | the same, of the patch; then bounded |
+    ///
+    /// Refractive surfaces keep their side, for it tells in from out; all others turn to the viewer.
+    ///
+    /// Bounded means that the mirror image of `outgoing` about the normal is not below the surface, where
+    /// nothing reflects to: else the normal is turned towards the geometric one just so far that it is
+    /// on the surface. Vanilla shapes do as yocto-gl does, and let such light be lost.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    #[must_use]
+    pub fn shading_normal(&self, hit: &SceneHit, outgoing: Vec3) -> Vec3 {
         let instance = &self.instances[hit.instance as usize];
         let shape = &self.shapes[instance.shape as usize];
-        let material = &self.materials[instance.material as usize];
-        let matrix = &instance.world_from_object.matrix3;
-        let vanilla = shape.method == Method::Vanilla;
+        let refractive =
+            self.materials[instance.material as usize].kind == MaterialKind::Refractive;
+        let outgoing = outgoing.normalize_or(hit.normal);
+        if shape.method == Method::Enhanced {
+            let normal = self.bent_normal(hit.instance, hit.element, hit.uv, hit.normal);
+            // The side of the viewer is that of the surface, not of a normal that only pretends.
+            let outside = hit.normal.dot(outgoing) >= 0.0;
+            let up = if outside { hit.normal } else { -hit.normal };
+            let normal = bounded(if outside { normal } else { -normal }, up, outgoing);
+            return if refractive && !outside { -normal } else { normal };
+        }
         let normal = match &shape.elements {
-            Elements::Points(_) if vanilla => return outgoing.normalize_or(hit.normal),
-            Elements::Lines(lines) if vanilla => {
+            Elements::Points(_) => return outgoing,
+            Elements::Lines(lines) => {
                 let [a, b] = lines[hit.element as usize].map(|vertex| vertex as usize);
                 let tangent = Weights::new(shape, hit.element, hit.uv)
                     .of(&shape.normals)
                     .unwrap_or_else(|| shape.positions[b] - shape.positions[a]);
-                let tangent = matrix.mul_vec3(tangent).normalize_or_zero();
-                let outgoing = outgoing.normalize_or_zero();
+                let tangent =
+                    instance.world_from_object.matrix3.mul_vec3(tangent).normalize_or_zero();
                 return (outgoing - tangent * outgoing.dot(tangent)).normalize_or(hit.normal);
             }
-            Elements::Points(_) | Elements::Lines(_) => hit.normal,
+            _ => self.bent_normal(hit.instance, hit.element, hit.uv, hit.normal),
+        };
+        if refractive || normal.dot(outgoing) >= 0.0 { normal } else { -normal }
+    }
+
+    /// `geometric`, or what vertices and the normal map make of it.
+    fn bent_normal(&self, instance: u32, element: u32, uv: Vec2, geometric: Vec3) -> Vec3 {
+        let (frame, shape) = self.placed(instance);
+        let material = &self.materials[self.instances[instance as usize].material as usize];
+        let normal = match &shape.elements {
+            Elements::Points(_) | Elements::Lines(_) if shape.method == Method::Vanilla => {
+                return geometric;
+            }
+            Elements::Points(_) | Elements::Lines(_) => geometric,
             Elements::Triangles(_) | Elements::Quads(_) => {
-                let smooth = Weights::new(shape, hit.element, hit.uv)
+                let smooth = Weights::new(shape, element, uv)
                     .of(&shape.normals)
-                    .map_or(Vec3::ZERO, |normal| transform_normal(matrix, normal));
+                    .map_or(Vec3::ZERO, |normal| transform_normal(&frame.matrix3, normal));
                 // Vertices without a normal, or with normals that cancel, leave it to the face.
-                let normal =
-                    if smooth == Vec3::ZERO { face_normal(shape, hit, matrix) } else { smooth };
-                match material.normal_tex {
-                    Some(index) => {
-                        let map = &self.textures[index as usize];
-                        self.mapped_normal(hit, map, normal)
-                    }
-                    None => normal,
+                if smooth == Vec3::ZERO {
+                    face_normal(shape, element, &frame.matrix3, geometric)
+                } else {
+                    smooth
                 }
             }
         };
-        if material.kind == MaterialKind::Refractive || normal.dot(outgoing) >= 0.0 {
-            normal
-        } else {
-            -normal
+        match material.normal_tex {
+            Some(index) => {
+                self.mapped_normal(instance, element, uv, &self.textures[index as usize], normal)
+            }
+            None => normal,
         }
     }
 
@@ -80,10 +117,17 @@ impl Scene {
     }
 
     /// `normal` bent by a normal map.
-    fn mapped_normal(&self, hit: &SceneHit, map: &Texture, normal: Vec3) -> Vec3 {
-        let texcoord = self.eval_texcoord(hit.instance, hit.element, hit.uv);
+    fn mapped_normal(
+        &self,
+        instance: u32,
+        element: u32,
+        uv: Vec2,
+        map: &Texture,
+        normal: Vec3,
+    ) -> Vec3 {
+        let texcoord = self.eval_texcoord(instance, element, uv);
         let mut bent = 2.0 * map.data(texcoord).truncate() - Vec3::ONE;
-        let (tu, tv) = self.eval_tangents(hit.instance, hit.element, hit.uv);
+        let (tu, tv) = self.eval_tangents(instance, element, uv);
         let Some(x) = (tu - normal * normal.dot(tu)).try_normalize() else { return normal };
         let y = normal.cross(x);
         // Rows of an image run down: a map's y points against v.
@@ -94,13 +138,37 @@ impl Scene {
     }
 }
 
+/// How far above the surface a mirror image is to be: twice what its height is rounded by here, which is at
+/// most eight units of roundoff for three products and sums of unit vectors.
+const LEAST_RISE: f32 = 16.0 * UNIT_ROUNDOFF;
+
+/// `normal`, or what is as near to it as the mirror image of `outgoing` may be: not below the surface, whose
+/// normal towards the viewer is `up`.
+///
+/// The mirror image is lifted straight up to the surface; the normal is half way between it and the
+/// viewer. After A. Keller and others, "The Iray Light Transport Simulation and Rendering System", 2017,
+/// appendix on shading normals.
+fn bounded(normal: Vec3, up: Vec3, outgoing: Vec3) -> Vec3 {
+    let mirrored = |normal: Vec3| 2.0 * normal.dot(outgoing) * normal - outgoing;
+    let image = mirrored(normal);
+    let height = image.dot(up);
+    if height >= LEAST_RISE {
+        // A mirror image tells a normal not from its opposite.
+        return if normal.dot(outgoing) >= 0.0 { normal } else { -normal };
+    }
+    let along = (image - height * up).normalize_or_zero();
+    let half = (along + LEAST_RISE * up + outgoing).normalize_or(up);
+    // Where the viewer and the image are nearly opposite, few digits of what is half way are left.
+    if mirrored(half).dot(up) >= 0.5 * LEAST_RISE { half } else { up }
+}
+
 /// The normal of a face: two triangles that stand for a quad share the mean of theirs, as in yocto-gl.
-fn face_normal(shape: &Shape, hit: &SceneHit, matrix: &Mat3A) -> Vec3 {
-    let Primitive::Quad(quad) = shape.primitive(hit.element) else { return hit.normal };
+fn face_normal(shape: &Shape, element: u32, matrix: &Mat3A, geometric: Vec3) -> Vec3 {
+    let Primitive::Quad(quad) = shape.primitive(element) else { return geometric };
     let of_triangle = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).normalize_or_zero();
     let sum = of_triangle(quad.p0, quad.p1, quad.p3) + of_triangle(quad.p2, quad.p3, quad.p1);
     let mean = transform_normal(matrix, sum);
-    if mean == Vec3::ZERO { hit.normal } else { mean }
+    if mean == Vec3::ZERO { geometric } else { mean }
 }
 
 impl Shape {

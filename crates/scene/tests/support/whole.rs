@@ -65,7 +65,7 @@ fn check_instance(scene: &Scene, trees: &Trees, instance: usize) {
             let ray = Ray::new(from, target - from);
             let Some(hit) = trees.closest(scene, &ray) else { continue };
             assert!(trees.any(scene, &ray), "any disagrees with closest: {ray:?}, {hit:?}");
-            let normal = scene.eval_shading_normal(&hit, -ray.direction);
+            let normal = scene.shading_normal(&hit, -ray.direction);
             assert!(normal.is_finite(), "{normal} at {hit:?}");
         }
     }
