@@ -2,7 +2,7 @@
 
 use crate::workspace;
 use anyhow::{Context, Result, anyhow, bail};
-use rotund_scene::{LoadError, LoadOptions, Scene};
+use rotund_scene::{LoadError, LoadOptions, Loaded, Scene};
 use std::path::{Path, PathBuf};
 
 /// A scene and what to call it.
@@ -50,20 +50,26 @@ impl LoadArgs {
 /// odd about it but no error goes to standard error.
 #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
 pub(crate) fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
+    let (name, loaded) = load_silently(name_or_path, args)?;
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    if loaded.scene.cameras.is_empty() {
+        bail!("{name}: the scene has neither a camera nor anything to see");
+    }
+    Ok(NamedScene { name, scene: loaded.scene })
+}
+
+/// Loads a scene and its name, and leaves warnings to the caller.
+pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(String, Loaded)> {
     let path = locate(name_or_path)?;
     // The text of a load error already tells its cause, so the chain would say it twice.
     let loaded = rotund_scene::load(&path, &args.options()).map_err(|error| match error {
         LoadError::OutsideFolder { .. } => anyhow!("{error}: --allow-outside"),
         error => anyhow!("{error}"),
     })?;
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if loaded.scene.cameras.is_empty() {
-        bail!("{}: the scene has no camera", path.display());
-    }
-    Ok(NamedScene { name, scene: loaded.scene })
+    Ok((name, loaded))
 }
 
 /// The index of the camera of that name; of the first without one.

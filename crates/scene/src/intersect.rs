@@ -3,7 +3,7 @@
 use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use rotund_bvh::{Bvh, ConeTree, Form, PatchTree, SphereTree, TriangleTree};
+use rotund_bvh::{Bvh, ConeTree, Form, PatchTree, SphereTree, Statistics, TriangleTree};
 use rotund_geometry::{Aabb, Hit, Ray};
 
 /// The trees of one scene.
@@ -110,6 +110,12 @@ impl Trees {
         })
     }
 
+    /// The size of the tree under each shape, in order.
+    #[must_use]
+    pub fn statistics(&self) -> Vec<Statistics> {
+        self.shapes.iter().map(ShapeTree::statistics).collect()
+    }
+
     /// True if the ray meets anything with `t` in `t_min..=t_max`.
     #[must_use]
     pub fn any(&self, scene: &Scene, ray: &Ray) -> bool {
@@ -160,6 +166,15 @@ impl ShapeTree {
             Self::Lines(tree) => tree.bounds(),
             Self::Triangles(tree) => tree.bounds(),
             Self::Quads(tree) => tree.bounds(),
+        }
+    }
+
+    fn statistics(&self) -> Statistics {
+        match self {
+            Self::Points(tree) => tree.statistics(),
+            Self::Lines(tree) => tree.statistics(),
+            Self::Triangles(tree) => tree.statistics(),
+            Self::Quads(tree) => tree.statistics(),
         }
     }
 

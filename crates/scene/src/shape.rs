@@ -83,3 +83,22 @@ pub struct Shape {
     /// Of points and lines, in meters; never empty for them.
     pub radii: Vec<f32>,
 }
+
+impl Shape {
+    /// Memory of all arrays.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let elements = match &self.elements {
+            Elements::Points(_) => 0,
+            Elements::Lines(lines) => size_of_val(lines.as_slice()),
+            Elements::Triangles(triangles) => size_of_val(triangles.as_slice()),
+            Elements::Quads(quads) => size_of_val(quads.as_slice()),
+        };
+        elements
+            + size_of_val(self.positions.as_slice())
+            + size_of_val(self.normals.as_slice())
+            + size_of_val(self.texcoords.as_slice())
+            + size_of_val(self.colors.as_slice())
+            + size_of_val(self.radii.as_slice())
+    }
+}

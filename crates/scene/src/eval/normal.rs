@@ -101,7 +101,8 @@ impl Scene {
     }
 
     /// How the point moves with its texture coordinates, in world space: the derivatives of position
-    /// by `u` and by `v`. Zeros where texture coordinates do not vary: there is no such derivative.
+    /// by `u` and by `v`. Zeros where texture coordinates do not vary, or where it is no finite number: there is
+    /// no such derivative.
     ///
     /// Those of a patch vary over it. Two triangles share those of the first, as in yocto-gl. Spheres
     /// and cones give the derivatives by their own parameters; vanilla points and lines none.
@@ -113,7 +114,9 @@ impl Scene {
     pub fn eval_tangents(&self, instance: u32, element: u32, uv: Vec2) -> (Vec3, Vec3) {
         let (frame, shape) = self.placed(instance);
         let (tu, tv) = shape.tangents(element, uv);
-        (frame.transform_vector3(tu), frame.transform_vector3(tv))
+        let (tu, tv) = (frame.transform_vector3(tu), frame.transform_vector3(tv));
+        // Of elements so large, small or flat that single precision cannot tell.
+        if tu.is_finite() && tv.is_finite() { (tu, tv) } else { (Vec3::ZERO, Vec3::ZERO) }
     }
 
     /// `normal` bent by a normal map.

@@ -49,7 +49,8 @@ impl Hair {
         let roots = scatter(&self.on.build()?, strands)?;
         // The strands that others are drawn to are the first ones: they are as evenly scattered.
         let clumps = if self.clump.strength > 0.0 {
-            count("clump.strands", self.clump.strands, strands)? as usize
+            // Each strand looks at all of them.
+            count("clump.strands", self.clump.strands, strands.min(STEPS))? as usize
         } else {
             0
         };

@@ -15,7 +15,10 @@ use crate::{
     generate::{Geometry, Unfit},
 };
 use rayon::prelude::*;
-use std::{io::BufReader, path::Path};
+use std::{
+    io::BufReader,
+    path::{Path, PathBuf},
+};
 
 /// Where something comes from, by `uri` or `generator`.
 struct Source<'a, G> {
@@ -149,6 +152,20 @@ pub(super) fn shapes(
         warnings.extend(its_warnings);
     }
     Ok(shapes)
+}
+
+/// The scene and the files that it names. Of a shape that a subdivision takes the place of, only if it is there.
+pub(super) fn files(scene: &Path, file: &SceneFile) -> Vec<PathBuf> {
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let textures = file.textures.items.iter().filter_map(|(_, texture)| texture.uri.as_ref());
+    let shapes = file.shapes.items.iter().filter_map(|(_, shape)| shape.uri.as_ref());
+    let subdivs = file.subdivs.items.iter().filter_map(|(_, subdiv)| subdiv.uri.as_ref());
+    let named = textures.chain(shapes).chain(subdivs).map(|uri| folder.join(uri));
+    let mut files: Vec<_> = named.filter(|path| path.is_file()).collect();
+    files.push(scene.to_owned());
+    files.sort();
+    files.dedup();
+    files
 }
 
 fn read_shape(source: &Source<'_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {

@@ -42,7 +42,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadErr
             expected: "at most 1e15, to be framed by a camera",
         });
     }
-    Ok(Loaded { scene: around(shape, bounds), warnings })
+    Ok(Loaded { scene: around(shape, bounds), warnings, files: vec![path.to_owned()] })
 }
 
 /// Beyond this, distances across a scene overflow.

@@ -20,7 +20,7 @@ pub use error::{LoadError, NamedBy};
 
 use crate::Scene;
 use format::SceneFile;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What to allow and what to bear with while loading.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,6 +42,8 @@ pub struct Loaded {
     pub scene: Scene,
     /// One sentence each, with the file and the field.
     pub warnings: Vec<String>,
+    /// What was read, each once.
+    pub files: Vec<PathBuf>,
 }
 
 /// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for shapes
@@ -76,7 +78,8 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
     if scene.cameras.is_empty() {
         scene.cameras.extend(lone::camera_for(&scene));
     }
-    Ok(Loaded { scene, warnings })
+    let files = assets::files(path, &file);
+    Ok(Loaded { scene, warnings, files })
 }
 
 /// The JSON, with the path of whatever is wrong in it, and a warning for each unknown field.
