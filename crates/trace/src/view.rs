@@ -83,7 +83,7 @@ impl World<'_> {
         match view {
             View::Path | View::Furnace => Vec3::ZERO,
             View::Eyelight => {
-                let normal = scene.eval_shading_normal(hit, outgoing);
+                let normal = scene.shading_normal(hit, outgoing);
                 material.emission + material.color * normal.dot(outgoing).abs()
             }
             View::Position => {
@@ -92,7 +92,7 @@ impl World<'_> {
                     .clamp(Vec3::ZERO, Vec3::ONE)
             }
             View::GeometricNormal => direction(hit.normal),
-            View::ShadingNormal => direction(scene.eval_shading_normal(hit, outgoing)),
+            View::ShadingNormal => direction(scene.shading_normal(hit, outgoing)),
             View::Uv => hit.uv.clamp(glam::Vec2::ZERO, glam::Vec2::ONE).extend(0.0),
             View::Texcoord => {
                 let place = scene.eval_texcoord(hit.instance, hit.element, hit.uv);
@@ -192,7 +192,7 @@ pub fn layers(
             let ray = camera.ray((corner + glam::Vec2::new(u, v)) / size, lens);
             if let (Some((hit, material)), _) = world.first_surface(ray, &sampler) {
                 albedo += material.color;
-                normal += scene.eval_shading_normal(&hit, -ray.direction);
+                normal += scene.shading_normal(&hit, -ray.direction);
             }
         }
         let middle = camera.ray((corner + 0.5) / size, glam::Vec2::ZERO);
