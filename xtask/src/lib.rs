@@ -33,6 +33,7 @@ mod golden;
 mod info;
 mod kinds;
 mod merge;
+mod noise;
 mod output;
 mod picture;
 mod progress;
@@ -76,6 +77,8 @@ enum Command {
     Merge(merge::Args),
     /// Say in numbers how far two images are apart.
     Diff(diff::Args),
+    /// Plot how noise falls with time, for both samplers.
+    Noise(noise::Args),
     /// List what a scene holds.
     Info(info::Args),
     /// Measure speed against error of every intersector.
@@ -95,6 +98,7 @@ impl Command {
             Self::Render(args) => render::run(args),
             Self::Merge(args) => merge::run(args),
             Self::Diff(args) => diff::run(args),
+            Self::Noise(args) => noise::run(args),
             Self::Info(args) => info::run(args),
             Self::Accuracy(args) => accuracy::run(args),
             Self::Golden(args) => golden::run(args),

@@ -12,7 +12,7 @@ mod overview;
 mod progress;
 mod random;
 mod replay;
-mod report;
+pub(crate) mod report;
 mod sheets;
 mod study;
 mod tally;

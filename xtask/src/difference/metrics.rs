@@ -66,7 +66,7 @@ pub(super) fn metrics(a: &Picture, b: &Picture, flip_mean: f64) -> Result<Metric
         sum_b += f64::from(luminance(b));
         abs += f64::from(d.abs().element_sum());
         squares += f64::from(d.length_squared());
-        relative.push((d * d / (b * b + Vec3::splat(REL_MSE_FLOOR))).element_sum() / 3.0);
+        relative.push(relative_square(a, b));
         let shown = (srgb_from_linear(a) - srgb_from_linear(b)).abs();
         changed += usize::from(shown.max_element() > CHANGED_SRGB);
     }
@@ -74,10 +74,9 @@ pub(super) fn metrics(a: &Picture, b: &Picture, flip_mean: f64) -> Result<Metric
     if valid == 0 {
         bail!("the images have no pixel that is finite in both");
     }
-    // Sorted, so the sum of the small ones is also the accurate one.
-    relative.sort_unstable_by(f32::total_cmp);
-    let kept = valid - (valid as f64 * TRIMMED_SHARE) as usize;
-    let sum = |values: &[f32]| values.iter().map(|&value| f64::from(value)).sum::<f64>();
+    let rel_mse_trimmed = trimmed_mean(&mut relative);
+    // Sorted by now, so the sum of the small ones is also the accurate one.
+    let sum = relative.iter().map(|&value| f64::from(value)).sum::<f64>();
     let pixels = valid as f64;
     let (mean_a, mean_b) = (sum_a / pixels, sum_b / pixels);
     Ok(Metrics {
@@ -86,12 +85,31 @@ pub(super) fn metrics(a: &Picture, b: &Picture, flip_mean: f64) -> Result<Metric
         luminance_ratio: if mean_a == mean_b { 1.0 } else { mean_a / mean_b },
         mean_abs: abs / (3.0 * pixels),
         rmse: (squares / (3.0 * pixels)).sqrt(),
-        rel_mse: sum(&relative) / pixels,
-        rel_mse_trimmed: sum(&relative[..kept]) / kept as f64,
+        rel_mse: sum / pixels,
+        rel_mse_trimmed,
         flip_mean,
         changed_fraction: changed as f64 / pixels,
         invalid_pixels: a.pixels.len() - valid,
     })
+}
+
+/// [`Metrics::rel_mse_trimmed`] alone; NaN if no pixel is finite in both.
+pub(crate) fn noise(a: &Picture, b: &Picture) -> f64 {
+    let finite = |(a, b): &(&Vec3, &Vec3)| a.is_finite() && b.is_finite();
+    let pairs = a.pixels.iter().zip(&b.pixels).filter(finite);
+    trimmed_mean(&mut pairs.map(|(&a, &b)| relative_square(a, b)).collect::<Vec<_>>())
+}
+
+fn relative_square(a: Vec3, b: Vec3) -> f32 {
+    let d = a - b;
+    (d * d / (b * b + Vec3::splat(REL_MSE_FLOOR))).element_sum() / 3.0
+}
+
+/// Sorts the values; the mean without the largest.
+fn trimmed_mean(values: &mut [f32]) -> f64 {
+    values.sort_unstable_by(f32::total_cmp);
+    let kept = values.len() - (values.len() as f64 * TRIMMED_SHARE) as usize;
+    values[..kept].iter().map(|&value| f64::from(value)).sum::<f64>() / kept as f64
 }
 
 #[cfg(test)]

@@ -215,11 +215,6 @@ fn a_rectangle_lights_as_the_closed_form_says() {
             })
             .sum();
         for scene in &scenes {
-            // Triangles are drawn by area, which very near converges too slowly for this table.
-            let drawn_by_area = matches!(scene.shapes[0].elements, Elements::Triangles(_));
-            if drawn_by_area && why == "very near" {
-                continue;
-            }
             assert_near(why, drawn(scene, position, normal), (0.5 * sum).abs());
         }
     }

@@ -8,24 +8,24 @@ const COLORS: [&str; 8] =
     ["#0072b2", "#8a8f98", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9", "#b8a900"];
 
 /// The color of the method at `index` of its shape.
-pub(super) fn color(index: usize) -> &'static str {
+pub(crate) fn color(index: usize) -> &'static str {
     COLORS[index % COLORS.len()]
 }
 
 /// A named curve, or the one point of a method in a scatter.
-pub(super) struct Series {
-    pub(super) name: String,
-    pub(super) color: &'static str,
+pub(crate) struct Series {
+    pub(crate) name: String,
+    pub(crate) color: &'static str,
     /// Drawn dashed: solves another problem.
-    pub(super) approximate: bool,
-    pub(super) points: Vec<(f64, f64)>,
+    pub(crate) approximate: bool,
+    pub(crate) points: Vec<(f64, f64)>,
 }
 
 /// What the axes say.
-pub(super) struct Labels<'a> {
-    pub(super) title: &'a str,
-    pub(super) x: &'a str,
-    pub(super) y: &'a str,
+pub(crate) struct Labels<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) x: &'a str,
+    pub(crate) y: &'a str,
 }
 
 /// The inner area of the drawing.
@@ -55,7 +55,7 @@ impl Frame {
 }
 
 /// A log-log chart with one line for each series.
-pub(super) fn curves(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
+pub(crate) fn curves(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
     let (width, height) = (325.0, 250.0);
     let frame = Frame {
         left: 54.0,
@@ -178,7 +178,7 @@ fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// The key to the colors.
-pub(super) fn legend(series: &[Series]) -> String {
+pub(crate) fn legend(series: &[Series]) -> String {
     let mut html = "<p class=\"legend\">".to_owned();
     for s in series {
         let style = if s.approximate { "dashed" } else { "solid" };
@@ -193,7 +193,7 @@ pub(super) fn legend(series: &[Series]) -> String {
 }
 
 /// Text without markup.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

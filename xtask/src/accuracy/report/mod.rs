@@ -1,7 +1,7 @@
 //! The report: one HTML file that opens offline.
 
 mod answers;
-mod chart;
+pub(crate) mod chart;
 mod heat;
 mod shape;
 

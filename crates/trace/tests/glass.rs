@@ -1,0 +1,123 @@
+//! Solids of clear glass neither leak nor swallow light: in a white furnace they cannot be seen.
+
+use glam::{Affine3A, Vec3};
+use rotund_scene::{
+    Camera, Elements, Instance, Material, MaterialKind, Method, Scene, Shape, Trees,
+};
+use rotund_trace::{Lights, Options, View, render};
+use std::ops::ControlFlow;
+
+/// Elements, and the balls that are their vertices.
+type Solid = (Elements, &'static [[f32; 4]]);
+
+/// Balls and tubes, each shape an instance of its own, of glass of a roughness.
+fn glass(shapes: &[Solid], roughness: f32) -> Scene {
+    let shape = |(elements, balls): &Solid| Shape {
+        name: String::new(),
+        method: Method::Enhanced,
+        elements: elements.clone(),
+        positions: balls.iter().map(|&[x, y, z, _]| Vec3::new(x, y, z)).collect(),
+        normals: Vec::new(),
+        texcoords: Vec::new(),
+        colors: Vec::new(),
+        radii: balls.iter().map(|ball| ball[3]).collect(),
+    };
+    let instance = |index: usize| Instance {
+        name: String::new(),
+        world_from_object: Affine3A::IDENTITY,
+        shape: index as u32,
+        material: 0,
+    };
+    let material = Material {
+        kind: MaterialKind::Refractive,
+        color: Vec3::ONE,
+        roughness,
+        ..Material::default()
+    };
+    Scene {
+        cameras: vec![Camera {
+            world_from_camera: Affine3A::from_translation(Vec3::new(0.0, 0.0, 4.0)),
+            ..Camera::default()
+        }],
+        materials: vec![material],
+        shapes: shapes.iter().map(shape).collect(),
+        instances: (0..shapes.len()).map(instance).collect(),
+        ..Scene::default()
+    }
+}
+
+/// The least, mean and largest pixel of a furnace.
+fn furnace(scene: &Scene) -> [f64; 3] {
+    let options = Options {
+        width: 48,
+        height: 32,
+        samples: 64,
+        bounces: 4096,
+        view: View::Furnace,
+        ..Options::default()
+    };
+    let (trees, lights) = (Trees::build(scene), Lights::build(scene));
+    let film =
+        render(scene, &trees, &lights, 0, &options, &mut |_| ControlFlow::<()>::Continue(()));
+    assert_eq!(film.rejected, 0, "every sample is a radiance");
+    let pixels = film.image().pixels;
+    let values = || pixels.iter().map(|pixel| f64::from(pixel[0]));
+    [
+        values().fold(f64::INFINITY, f64::min),
+        values().sum::<f64>() / pixels.len() as f64,
+        values().fold(0.0, f64::max),
+    ]
+}
+
+#[test]
+fn clear_glass_cannot_be_seen_in_a_white_furnace() {
+    let point = || Elements::Points(1);
+    let line = || Elements::Lines(vec![[0, 1]]);
+    let balls: &'static [[f32; 4]] = &[[-0.5, 0.0, 0.0, 0.5], [0.5, 0.0, 0.0, 0.5]];
+    let table: [(&str, Vec<Solid>); 6] = [
+        ("a ball", vec![(point(), &[[0.0, 0.0, 0.0, 0.8]])]),
+        ("two balls that touch, of one shape", vec![(Elements::Points(2), balls)]),
+        (
+            "a ball in a ball, and one that touches it from inside",
+            vec![
+                (point(), &[[0.0, 0.0, 0.0, 0.9]]),
+                (point(), &[[0.1, 0.1, 0.0, 0.5]]),
+                (point(), &[[-0.7, 0.0, 0.0, 0.2]]),
+            ],
+        ),
+        ("a tube", vec![(line(), &[[-0.8, -0.2, 0.0, 0.3], [0.8, 0.2, 0.0, 0.3]])]),
+        (
+            "a cone in a tube",
+            vec![
+                (line(), &[[-0.8, 0.0, 0.0, 0.5], [0.8, 0.0, 0.0, 0.5]]),
+                (line(), &[[-0.7, 0.0, 0.0, 0.3], [0.7, 0.1, 0.0, 0.05]]),
+            ],
+        ),
+        (
+            "tubes that touch and a tube across both",
+            vec![
+                (line(), &[[-0.8, 0.2, 0.0, 0.2], [0.8, 0.2, 0.0, 0.2]]),
+                (line(), &[[-0.8, -0.2, 0.0, 0.2], [0.8, -0.2, 0.0, 0.2]]),
+                (line(), &[[0.0, -0.7, 0.05, 0.1], [0.0, 0.7, 0.05, 0.1]]),
+            ],
+        ),
+    ];
+    for (why, shapes) in table {
+        let [least, mean, largest] = furnace(&glass(&shapes, 0.0));
+        // All weights are 1 but for Russian roulette, which ends one path in a hundred a segment.
+        assert!((mean - 1.0).abs() < 2e-3, "{why}: {mean} on average");
+        // Paths that are long in the glass make a pixel uneven by that, but none is dark.
+        assert!(least > 0.25 && largest < 2.0, "{why}: between {least} and {largest}");
+    }
+}
+
+#[test]
+fn frosted_glass_gains_no_light() {
+    let balls: &'static [[f32; 4]] = &[[0.0, 0.0, 0.0, 0.8]];
+    for roughness in [0.1, 0.2, 0.3, 0.4] {
+        let [_, mean, _] = furnace(&glass(&[(Elements::Points(1), balls)], roughness));
+        // The noise of Russian roulette is a few in ten thousand.
+        assert!(mean < 1.0005, "{roughness}: {mean}");
+        assert!(mean > 0.8, "{roughness}: {mean}, it does not go black");
+    }
+}
