@@ -215,3 +215,30 @@ fn help_shows_examples_of_every_command() {
         assert!(text.contains("Examples:"), "{command}: {text}");
     }
 }
+
+#[test]
+fn a_scene_with_a_bad_texture_renders_if_asked_to_keep_going() {
+    let (folder, _) =
+        scene("\"cameras\"", "\"textures\": [{ \"uri\": \"gone.png\" }], \"cameras\"", TRIANGLE);
+    let render = ["render", "scene.json", "--resolution", "16", "--samples", "1", "--out", "a.png"];
+    let output = xtask(folder.path(), &render);
+    assert_refused("without", folder.path(), &output, 1, &["gone.png", "textures[0].uri"]);
+    let output = xtask(folder.path(), &[&render[..], &["--keep-going"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && folder.path().join("a.png").is_file(), "{said}");
+    assert!(said.contains("left out") && said.contains("gone.png"), "{said}");
+}
+
+#[test]
+fn a_file_outside_the_folder_is_read_only_if_allowed() {
+    let (folder, _) = scene("one.ply", "../one.ply", TRIANGLE);
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).expect("a folder");
+    fs::rename(folder.path().join("scene.json"), inner.join("scene.json"))
+        .expect("moves the scene");
+    let output = xtask(folder.path(), &["info", "inner/scene.json"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && said.contains("--allow-outside"), "{said}");
+    let output = xtask(folder.path(), &["info", "inner/scene.json", "--allow-outside"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}

@@ -184,3 +184,61 @@ fn the_camera_of_a_lone_shape_sees_it_above_its_floor() {
         }
     }
 }
+
+#[test]
+fn every_name_in_use_for_a_property_is_known() {
+    let header = |names: &str| {
+        let properties: String =
+            names.split(' ').map(|name| format!("\nproperty float {name}")).collect();
+        format!("element vertex 1\n{XYZ}{properties}")
+    };
+    for (u, v) in [("u", "v"), ("s", "t"), ("texture_u", "texture_v")] {
+        let shape = shape(&ascii(&header(&format!("{u} {v}")), "0 0 0 0.25 0.25\n"));
+        assert_eq!(shape.texcoords, [vec2(0.25, 0.75)], "{u} {v}");
+    }
+    for names in ["red green blue", "r g b", "diffuse_red diffuse_green diffuse_blue"] {
+        let shape = shape(&ascii(&header(names), "0 0 0 0.25 0.5 2\n"));
+        assert_eq!(shape.colors, [Vec4::new(0.25, 0.5, 2.0, 1.0)], "{names}: floats are linear");
+    }
+    for alpha in ["alpha", "a"] {
+        let shape = shape(&ascii(&header(&format!("red green blue {alpha}")), "0 0 0 1 1 1 0.5\n"));
+        assert_eq!(shape.colors, [Vec4::new(1.0, 1.0, 1.0, 0.5)], "{alpha}");
+    }
+    let normal = shape(&ascii(&header("nx ny nz"), "0 0 0 0 1 0\n"));
+    assert_eq!(normal.normals, [Vec3::Y]);
+    let half = shape(&ascii(&header("u"), "0 0 0 0.25\n"));
+    assert!(half.texcoords.is_empty(), "one of two is none");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_a_lone_shape_is_refused_and_not_waited_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for name in ["pipe.ply", "pipe.obj", "pipe.json"] {
+        let pipe = folder.path().join(name);
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        if !made.is_ok_and(|status| status.success()) {
+            // Without the tool there is nothing to test with.
+            return;
+        }
+        let message = load(&pipe, &LoadOptions::default()).expect_err("refused").to_string();
+        assert!(message.contains(name) && message.contains("pipe or device"), "{message}");
+    }
+}
+
+#[test]
+fn a_radius_has_to_be_a_length_and_is_for_lone_shapes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("thing.ply");
+    std::fs::write(&path, ascii(&format!("element vertex 1\n{XYZ}"), "0 0 0\n")).expect("writes");
+    for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let options = LoadOptions { radius: Some(radius), ..LoadOptions::default() };
+        let message = load(&path, &options).expect_err("refused").to_string();
+        assert!(message.contains("radius") && message.contains("positive"), "{message}");
+    }
+    let scene = folder.path().join("scene.json");
+    std::fs::write(&scene, "{}").expect("writes the scene");
+    let options = LoadOptions { radius: Some(1.0), ..LoadOptions::default() };
+    let warnings = load(&scene, &options).expect("loads").warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("changes nothing"), "{warnings:?}");
+}
