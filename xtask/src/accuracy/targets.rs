@@ -182,12 +182,16 @@ fn of_times(shape: &ShapeResult) -> Vec<Verdict> {
     let own = shape.rows[0].methods.iter().find(|m| m.own).map(|m| m.method);
     let own = own.and_then(|name| shape.timing(name));
     let verdict = |&(_, other, limit): &(&str, &'static str, f64)| {
-        let ratio = own?.mixed.median / shape.timing(other)?.mixed.median;
+        let (own, peer) = (own?, shape.timing(other)?);
+        let ratio = own.mixed.median / peer.mixed.median;
+        let fresh = own.fresh.median / peer.fresh.median;
         let met = ratio <= limit;
         let misses = if met {
             vec![]
         } else {
-            vec![format!("{ratio:.2} times {other} where {limit} is allowed")]
+            vec![format!(
+                "{ratio:.2} times {other} where {limit} is allowed ({fresh:.2} times on fresh rays)"
+            )]
         };
         Some(Verdict {
             shape: shape.shape,
