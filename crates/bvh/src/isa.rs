@@ -29,13 +29,16 @@ impl Isa {
     /// All sets that this processor has, fastest last.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut available = vec![Self::PORTABLE];
-        #[cfg(target_arch = "x86_64")]
-        {
-            available.extend(Avx2::new().map(|isa| Self(Kind::Avx2(isa))));
-            available.extend(Avx512::new().map(|isa| Self(Kind::Avx512(isa))));
-        }
-        available
+        [
+            Some(Self::PORTABLE),
+            #[cfg(target_arch = "x86_64")]
+            Avx2::new().map(|isa| Self(Kind::Avx2(isa))),
+            #[cfg(target_arch = "x86_64")]
+            Avx512::new().map(|isa| Self(Kind::Avx512(isa))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
     }
 
     /// The set that new trees use: the one named by the environment variable `ROTUND_ISA`
