@@ -3,7 +3,7 @@
 use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use rotund_bvh::{Bvh, ConeTree, Form, PatchTree, SphereTree, Statistics, TriangleTree};
+use rotund_bvh::{Bvh, ConeTree, Form, Isa, PatchTree, SphereTree, Statistics, TriangleTree};
 use rotund_geometry::{Aabb, Hit, Ray};
 
 /// The trees of one scene.
@@ -82,6 +82,13 @@ impl Trees {
         Self { instances: Bvh::build(&boxes), placements, shapes }
     }
 
+    /// The same trees, walked with these instructions: the answers are the same, to the bit.
+    #[must_use]
+    pub fn with_isa(self, isa: Isa) -> Self {
+        let shapes = self.shapes.into_iter().map(|shape| shape.with_isa(isa)).collect();
+        Self { instances: self.instances.with_isa(isa), shapes, ..self }
+    }
+
     /// The first surface that the ray meets with `t` in `t_min..=t_max`. Ties go to the instance, and
     /// in it to the element, that comes first.
     ///
@@ -157,6 +164,15 @@ impl ShapeTree {
                 let patches: Vec<_> = quads.iter().map(|&quad| shape.patch(quad)).collect();
                 Self::Quads(PatchTree::build(&patches))
             }
+        }
+    }
+
+    fn with_isa(self, isa: Isa) -> Self {
+        match self {
+            Self::Points(tree) => Self::Points(tree.with_isa(isa)),
+            Self::Lines(tree) => Self::Lines(tree.with_isa(isa)),
+            Self::Triangles(tree) => Self::Triangles(tree.with_isa(isa)),
+            Self::Quads(tree) => Self::Quads(tree.with_isa(isa)),
         }
     }
 

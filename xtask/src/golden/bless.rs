@@ -1,13 +1,13 @@
 //! Accepting pictures: the only way to make or change a reference.
 
 use super::cases::Case;
-use super::moments::{Moments, Plan};
+use super::moments::{Moments, Plan, Subject};
 use super::reference::Reference;
 use super::significance::{level, normal_quantile};
 use super::verdict::{FLIP_CEILING, Finding, flip_of_noise, judge, surest_energy};
 use super::{REFERENCE_REPLICAS, REFERENCE_SEED, REPLICAS};
 use anyhow::{Result, bail};
-use rotund_scene::Scene;
+use rotund_bvh::Isa;
 use rotund_trace::Sequence;
 
 /// A loss of this share of the light has to be found in every picture, all but surely.
@@ -42,26 +42,27 @@ pub(crate) fn bless(
     resolution: u32,
     pictures: usize,
 ) -> Result<Blessed> {
-    let scene = case.load()?;
-    let new = render(&scene, case, old, resolution, pictures)?;
+    let subject = Subject::new(case.load()?, Isa::default_set());
+    let new = render(&subject, case, old, resolution, pictures)?;
     let Some(old) = old else { return Ok(Blessed::New(new)) };
     let same_size =
         (old.moments.width, old.moments.height) == (new.moments.width, new.moments.height);
     if !same_size || old.samples != new.samples || old.bounces != new.bounces {
         return Ok(Blessed::Changed(new, Vec::new()));
     }
-    let findings = judge(&new.moments, &old.moments, pictures)?.findings;
+    let mut findings = new.surface.compare(&old.surface);
+    findings.extend(judge(&new.moments, &old.moments, pictures)?.findings);
     Ok(if findings.is_empty() { Blessed::Unchanged } else { Blessed::Changed(new, findings) })
 }
 
 fn render(
-    scene: &Scene,
+    subject: &Subject,
     case: &Case,
     old: Option<&Reference>,
     resolution: u32,
     pictures: usize,
 ) -> Result<Reference> {
-    let Some(camera) = scene.cameras.first() else { bail!("the scene has no camera") };
+    let Some(camera) = subject.scene.cameras.first() else { bail!("the scene has no camera") };
     let (width, height) = camera.resolution(resolution);
     if let Some(Moments { width: old_width, height: old_height, .. }) = old.map(|o| &o.moments)
         && (width as usize * height as usize) < old_width * old_height
@@ -74,18 +75,21 @@ fn render(
     }
     let bounces = rotund_trace::Options::default().bounces;
     let sequence = Sequence::default();
-    let mut plan = Plan { camera: 0, width, height, bounces, samples: FEWEST_SAMPLES, sequence };
+    let mut plan = Plan { width, height, bounces, samples: FEWEST_SAMPLES, sequence };
     plan.samples = old.map_or(FEWEST_SAMPLES, |old| old.samples.max(FEWEST_SAMPLES));
     loop {
         // A first look is enough to see that more samples are needed.
-        let first = Moments::measure(scene, &plan, REPLICAS, REFERENCE_SEED);
+        let first = Moments::measure(subject, &plan, REPLICAS, REFERENCE_SEED);
         if complaint(&first, pictures)?.is_some() && plan.samples < MOST_SAMPLES {
             plan.samples *= 2;
             continue;
         }
-        let moments = Moments::measure(scene, &plan, REFERENCE_REPLICAS, REFERENCE_SEED);
+        let moments = Moments::measure(subject, &plan, REFERENCE_REPLICAS, REFERENCE_SEED);
         match complaint(&moments, pictures)? {
-            None => return Ok(Reference { moments, samples: plan.samples, bounces }),
+            None => {
+                let surface = subject.surface(width, height);
+                return Ok(Reference { moments, surface, samples: plan.samples, bounces });
+            }
             Some(_) if plan.samples < MOST_SAMPLES => plan.samples *= 2,
             Some(complaint) => bail!("{complaint}"),
         }

@@ -1,18 +1,48 @@
 //! What a picture is, if it is a random variable: a mean and a variance for each pixel.
 
+use super::surface::{Probe, Surface};
 use crate::picture::Picture;
-use glam::DVec3;
+use glam::{DVec3, Vec2};
+use rotund_bvh::Isa;
 use rotund_scene::{Scene, Trees};
 use rotund_trace::{Lights, Options, Sequence, render};
 use std::ops::ControlFlow;
+
+/// A scene that is ready to be looked at through its first camera.
+#[derive(Debug)]
+pub(crate) struct Subject {
+    pub(crate) scene: Scene,
+    trees: Trees,
+    lights: Lights,
+}
+
+impl Subject {
+    /// Builds what rays need, to be walked with these instructions.
+    pub(crate) fn new(scene: Scene, isa: Isa) -> Self {
+        let (trees, lights) = (Trees::build(&scene).with_isa(isa), Lights::build(&scene));
+        Self { scene, trees, lights }
+    }
+
+    /// What there is to be seen, without light.
+    ///
+    /// # Panics
+    ///
+    /// If the scene has no camera.
+    pub(crate) fn surface(&self, width: u32, height: u32) -> Surface {
+        Surface::measure(width as usize, height as usize, |uv, ray| self.probe(uv, ray))
+    }
+
+    /// What one ray meets; see [`Probe::new`].
+    pub(crate) fn probe(&self, image_uv: Vec2, ray: usize) -> Probe {
+        Probe::new(&self.scene, &self.trees, &self.scene.cameras[0], image_uv, ray)
+    }
+}
 
 /// How a picture is measured: as many small renders that differ in nothing but their seed. They are
 /// independent of each other even where the samples of one render are not, so their spread says how
 /// well their mean is known.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
-    /// Index into [`Scene::cameras`].
-    pub(crate) camera: usize,
     /// Pixels in a row.
     pub(crate) width: u32,
     /// Rows.
@@ -44,8 +74,8 @@ pub(crate) struct Moments {
 
 impl Moments {
     /// Renders `replicas` pictures. Another `seed` gives others, independent of these.
-    pub(crate) fn measure(scene: &Scene, plan: &Plan, replicas: u32, seed: u32) -> Self {
-        let (trees, lights) = (Trees::build(scene), Lights::build(scene));
+    pub(crate) fn measure(subject: &Subject, plan: &Plan, replicas: u32, seed: u32) -> Self {
+        let Subject { scene, trees, lights } = subject;
         let mut moments = Self::empty(plan.width as usize, plan.height as usize);
         for replica in 0..replicas {
             let options = Options {
@@ -57,9 +87,8 @@ impl Moments {
                 sequence: plan.sequence,
                 ..Options::default()
             };
-            let film = render(scene, &trees, &lights, plan.camera, &options, &mut |_| {
-                ControlFlow::Continue(())
-            });
+            let film =
+                render(scene, trees, lights, 0, &options, &mut |_| ControlFlow::Continue(()));
             moments.rejected += film.rejected;
             let pixels = film.image().pixels.into_iter();
             moments.push(pixels.map(|[r, g, b, _]| DVec3::new(r.into(), g.into(), b.into())));

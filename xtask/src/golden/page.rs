@@ -1,5 +1,6 @@
 //! The page about pictures that failed: expected, actual and difference, in one file.
 
+use super::surface::Surface;
 use super::verdict::Verdict;
 use crate::difference::{color::srgb_bytes, maps};
 use crate::picture::Picture;
@@ -15,6 +16,8 @@ pub(crate) struct Failure {
     pub(crate) name: String,
     pub(crate) expected: Picture,
     pub(crate) actual: Picture,
+    /// What is seen without light, expected and actual, if that differs.
+    pub(crate) surfaces: Option<[Surface; 2]>,
     pub(crate) verdict: Verdict,
 }
 
@@ -61,7 +64,7 @@ pub(crate) fn page(failures: &[Failure]) -> Result<String> {
         html.push_str("</ul>\n<div class=\"pictures\">\n");
         let difference = &failure.verdict.difference;
         let range = maps::signed_range(&difference.signed);
-        let figures = [
+        let mut figures = vec![
             ("Expected".to_owned(), shown(&failure.expected)),
             ("Actual".to_owned(), shown(&failure.actual)),
             (
@@ -76,6 +79,13 @@ pub(crate) fn page(failures: &[Failure]) -> Result<String> {
                 maps::flip(&difference.flip),
             ),
         ];
+        if let Some([expected, actual]) = &failure.surfaces {
+            figures.push(("Expected normals".to_owned(), normals(expected)));
+            figures.push(("Actual normals".to_owned(), normals(actual)));
+            let caption =
+                "Where coverage, crossings, shadow, depth, normal, texcoord or colour differ";
+            figures.push((caption.to_owned(), differing(expected, actual)));
+        }
         for (caption, image) in figures {
             let (width, height, source) = (image.width(), image.height(), data_uri(&image)?);
             writeln!(
@@ -93,6 +103,22 @@ pub(crate) fn page(failures: &[Failure]) -> Result<String> {
 fn shown(picture: &Picture) -> RgbImage {
     RgbImage::from_fn(picture.width as u32, picture.height as u32, |x, y| {
         Rgb(srgb_bytes(picture.pixels[y as usize * picture.width + x as usize]))
+    })
+}
+
+/// Normals as colours: x is red, y green, z blue, and zero a middle grey.
+fn normals(surface: &Surface) -> RgbImage {
+    RgbImage::from_fn(surface.width as u32, surface.height as u32, |x, y| {
+        let normal = surface.normal(y as usize * surface.width + x as usize);
+        Rgb((127.5 * (normal + 1.0)).to_array().map(|channel| channel as u8))
+    })
+}
+
+/// Pixels that differ in white on black.
+fn differing(expected: &Surface, actual: &Surface) -> RgbImage {
+    RgbImage::from_fn(actual.width as u32, actual.height as u32, |x, y| {
+        let differs = actual.differs_at(expected, y as usize * actual.width + x as usize);
+        Rgb([if differs { 255 } else { 0 }; 3])
     })
 }
 

@@ -3,8 +3,10 @@
 //! Channels `R`, `G`, `B` hold the mean, `deviation.R`, `.G`, `.B` the standard deviation of one
 //! replica. Digits below the noise are not stored, so a reference takes a third of the room: the mean
 //! is rounded to a quarter of its own standard error, or less, and the deviation up to five bits.
+//! Channels `surface.*` hold what is known without noise: see [`super::surface`].
 
 use super::moments::Moments;
+use super::surface::{CHANNELS as SURFACE_CHANNELS, Surface};
 use anyhow::{Context, Result, bail, ensure};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
@@ -20,6 +22,8 @@ use std::path::Path;
 pub(crate) struct Reference {
     /// Rounded as the file is.
     pub(crate) moments: Moments,
+    /// What is to be seen, without light.
+    pub(crate) surface: Surface,
     /// Samples per pixel of one replica.
     pub(crate) samples: u32,
     /// Segments of the longest path.
@@ -51,25 +55,29 @@ impl Reference {
             Some(&AttributeValue::I32(number)) if number > 0 => Ok(number as u32),
             _ => bail!("it lacks a positive number {name}"),
         };
-        let plane = |name: String| -> Result<Vec<f64>> {
-            let named = |channel: &&AnyChannel<FlatSamples>| channel.name.eq(name.as_str());
+        let plane = |name: &str| -> Result<Vec<f32>> {
+            let named = |channel: &&AnyChannel<FlatSamples>| channel.name.eq(name);
             let channel = layer.channel_data.list.iter().find(named);
             let channel = channel.with_context(|| format!("it lacks the channel {name}"))?;
-            let values: Vec<f64> = channel.sample_data.values_as_f32().map(f64::from).collect();
+            let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
             ensure!(values.len() == width * height, "channel {name} has another size");
             ensure!(values.iter().all(|x| x.is_finite()), "channel {name} is not finite");
             Ok(values)
         };
         let planes = |prefix: &str| -> Result<Vec<DVec3>> {
-            let [r, g, b] = CHANNELS.map(|channel| plane(format!("{prefix}{channel}")));
+            let [r, g, b] = CHANNELS.map(|channel| plane(&format!("{prefix}{channel}")));
             let (r, g, b) = (r?, g?, b?);
-            Ok((0..r.len()).map(|i| DVec3::new(r[i], g[i], b[i])).collect())
+            let pixel = |i: usize| DVec3::new(r[i].into(), g[i].into(), b[i].into());
+            Ok((0..r.len()).map(pixel).collect())
         };
         let (mean, deviation) = (planes("")?, planes("deviation.")?);
         let variance = deviation.into_iter().map(|d| d * d).collect();
         let replicas = number(REPLICAS)?;
         let moments = Moments { width, height, replicas, mean, variance, rejected: 0 };
-        Ok(Self { moments, samples: number(SAMPLES)?, bounces: number(BOUNCES)? })
+        let planes: Result<Vec<_>> =
+            SURFACE_CHANNELS.iter().map(|channel| plane(channel.name)).collect();
+        let surface = Surface { width, height, planes: planes? };
+        Ok(Self { moments, surface, samples: number(SAMPLES)?, bounces: number(BOUNCES)? })
     }
 
     /// Writes the file: to another name first, renamed when complete.
@@ -84,6 +92,9 @@ impl Reference {
             channels.push(AnyChannel::new(name, FlatSamples::F32(mean.collect())));
             let name = format!("deviation.{name}");
             channels.push(AnyChannel::new(name.as_str(), FlatSamples::F32(deviation)));
+        }
+        for (channel, plane) in SURFACE_CHANNELS.iter().zip(&self.surface.planes) {
+            channels.push(AnyChannel::new(channel.name, FlatSamples::F32(plane.clone())));
         }
         let mut attributes = LayerAttributes::default();
         for (name, number) in
@@ -127,6 +138,8 @@ fn round_up_to_five_bits(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::golden::surface::Probe;
+    use glam::Vec2;
 
     #[test]
     fn a_reference_comes_back_as_it_was_but_for_digits_below_its_noise() {
@@ -135,11 +148,14 @@ mod tests {
         let mean: Vec<DVec3> = (0..15).map(|i| DVec3::new(0.1, 1e3, 0.0) * f64::from(i)).collect();
         let variance = vec![DVec3::new(0.01, 30.0, 0.0); 15];
         let moments = Moments { width: 5, height: 3, replicas: 256, mean, variance, rejected: 0 };
-        let reference = Reference { moments, samples: 2, bounces: 8 };
+        let probe = |uv: Vec2, _| Probe { depth: 9.0 * uv.x, crossings: 3, ..Probe::default() };
+        let surface = Surface::measure(5, 3, probe);
+        let reference = Reference { moments, surface, samples: 2, bounces: 8 };
         reference.write(&path).unwrap();
         let back = Reference::read(&path).unwrap();
         assert_eq!((back.samples, back.bounces, back.moments.replicas), (2, 8, 256));
         assert_eq!((back.moments.width, back.moments.height), (5, 3));
+        assert_eq!(back.surface, reference.surface);
         for i in 0..15 {
             let noise = (reference.moments.variance[i] / 256.0).map(f64::sqrt);
             let off = (back.moments.mean[i] - reference.moments.mean[i]).abs();

@@ -2,7 +2,7 @@
 //! fault has to pass.
 
 use super::cases::{self, Case};
-use super::moments::{Moments, Plan};
+use super::moments::{Moments, Plan, Subject};
 use super::reference::Reference;
 use super::significance::{compare, level, p_value};
 use super::verdict::{Check, Verdict, judge};
@@ -10,10 +10,13 @@ use super::{REPLICAS, run};
 use crate::workspace;
 use clap::Parser;
 use glam::{DVec3, Vec2};
+use rotund_bvh::Isa;
 use rotund_scene::Scene;
 use rotund_trace::Sequence;
 use std::fs;
 use std::path::Path;
+
+mod surface;
 
 fn case(name: &str) -> Case {
     let cases = cases::of_workspace(&workspace::root().join("tests/golden")).unwrap();
@@ -28,10 +31,10 @@ fn reference(name: &str) -> Reference {
 fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Moments {
     let mut scene = case(name).load().unwrap();
     tamper(&mut scene);
-    let Reference { moments, samples, bounces } = reference(name);
+    let Reference { moments, samples, bounces, .. } = reference(name);
     let (width, height) = (moments.width as u32, moments.height as u32);
-    let plan = Plan { camera: 0, width, height, bounces, samples, sequence };
-    Moments::measure(&scene, &plan, REPLICAS, 77)
+    let plan = Plan { width, height, bounces, samples, sequence };
+    Moments::measure(&Subject::new(scene, Isa::default_set()), &plan, REPLICAS, 77)
 }
 
 fn verdict(name: &str, actual: &Moments) -> Verdict {

@@ -8,7 +8,7 @@
 //! | `energy` | the same for the mean of the picture | one percent of the light |
 //! | `flip` | is the visible difference what noise alone would show | what is spread thin but seen |
 //!
-//! The three tests by Student's t together fail by chance in one of a thousand runs, at most, over
+//! What can be known without noise is compared by [`super::surface`]. The three tests by Student's t together fail by chance in one of a thousand runs, at most, over
 //! a whole set of pictures: see [`FALSE_ALARMS`](super::significance::FALSE_ALARMS).
 
 use super::moments::Moments;
@@ -39,6 +39,13 @@ pub(crate) enum Check {
     Block,
     Energy,
     Flip,
+    Coverage,
+    Crossings,
+    Shadow,
+    Depth,
+    Normal,
+    Texcoord,
+    Color,
 }
 
 impl fmt::Display for Check {
@@ -49,6 +56,13 @@ impl fmt::Display for Check {
             Self::Block => "block",
             Self::Energy => "energy",
             Self::Flip => "flip",
+            Self::Coverage => "coverage",
+            Self::Crossings => "crossings",
+            Self::Shadow => "shadow",
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::Texcoord => "texcoord",
+            Self::Color => "colour",
         })
     }
 }
