@@ -34,6 +34,7 @@ mod info;
 mod kinds;
 mod merge;
 mod noise;
+mod moved;
 mod output;
 mod picture;
 mod progress;
@@ -81,6 +82,8 @@ enum Command {
     Noise(noise::Args),
     /// List what a scene holds.
     Info(info::Args),
+    /// Render a scene far from the origin, tiny and huge, and say what changed.
+    Moved(moved::Args),
     /// Measure speed against error of every intersector.
     Accuracy(accuracy::Args),
     /// Check that the golden pictures look as they did.
@@ -100,6 +103,7 @@ impl Command {
             Self::Diff(args) => diff::run(args),
             Self::Noise(args) => noise::run(args),
             Self::Info(args) => info::run(args),
+            Self::Moved(args) => moved::run(args),
             Self::Accuracy(args) => accuracy::run(args),
             Self::Golden(args) => golden::run(args),
             Self::Tidy(args) => tidy::run(args),

@@ -7,10 +7,11 @@ use crate::kinds::{KindArgs, enhance};
 use crate::output::check_image_file;
 use crate::progress::rays_per_second;
 use crate::scene_source::{LoadArgs, load};
-use crate::shot::{ShotArgs, odd_samples, take_on};
+use crate::shot::{ShotArgs, brought_near, odd_samples, take_on};
 use anyhow::{Result, bail};
 use rotund_scene::Trees;
 use rotund_trace::{Film, Options, View, output};
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -131,15 +132,21 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let label_of_film = checkpoint::label(&scene, camera, &options);
     let (film, mut checkpoint) = args.checkpoint.open(&options, label_of_film)?;
     let (shot, layers) = args.shot.with_threads(|| {
-        let trees = Trees::build(&scene.scene);
+        // Positions are told as they are; light does not care where the origin is.
+        let shows_light = options.view == View::Path && !args.layers;
+        let near = if shows_light {
+            brought_near(&scene.scene, camera)
+        } else {
+            Cow::Borrowed(&scene.scene)
+        };
+        let trees = Trees::build(&near);
         let mut keep = |film: &Film| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.update(film);
             }
         };
-        let shot = take_on(film, &scene.scene, &trees, camera, &options, label, &mut keep);
-        let layers =
-            args.layers.then(|| rotund_trace::layers(&scene.scene, &trees, camera, &options));
+        let shot = take_on(film, &near, &trees, camera, &options, label, &mut keep);
+        let layers = args.layers.then(|| rotund_trace::layers(&near, &trees, camera, &options));
         (shot, layers)
     })?;
     if let Some(checkpoint) = &checkpoint {

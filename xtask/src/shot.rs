@@ -6,6 +6,7 @@ use crate::scene_source::{NamedScene, find_camera};
 use anyhow::{Context, Result};
 use rotund_scene::{Scene, Trees};
 use rotund_trace::{Film, Lights, Options, Sequence, resume};
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -112,14 +113,56 @@ impl Shot {
 /// Renders a scene as its shapes say, with a progress meter under the name `label`. Ctrl-C ends it
 /// early.
 pub(crate) fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Shot {
+    take_from(Film::new(options), scene, camera, options, label)
+}
+
+/// Adds samples to a picture until it has `samples` of them. Times and rays are those of the whole.
+pub(crate) fn take_more(
+    scene: &Scene,
+    camera: usize,
+    options: &Options,
+    shot: &Shot,
+    samples: u32,
+    label: &str,
+) -> Shot {
+    let options = Options { samples, ..options.clone() };
+    let more = take_from(shot.film.clone(), scene, camera, &options, label);
+    Shot {
+        build_seconds: shot.build_seconds,
+        render_seconds: shot.render_seconds + more.render_seconds,
+        rays: shot.rays + more.rays,
+        samples: shot.samples + more.samples,
+        ..more
+    }
+}
+
+fn take_from(film: Film, scene: &Scene, camera: usize, options: &Options, label: &str) -> Shot {
+    let scene = &*brought_near(scene, camera);
     let start = Instant::now();
     let trees = Trees::build(scene);
     let build_seconds = start.elapsed().as_secs_f64();
-    let film = Film::new(options);
     let mut shot = take_on(film, scene, &trees, camera, options, label, &mut |_| {});
     shot.build_seconds += build_seconds;
     shot
 }
+
+/// The scene about its camera, if the origin of the world is so far away that it costs digits; else the
+/// scene as it is.
+pub(crate) fn brought_near(scene: &Scene, camera: usize) -> Cow<'_, Scene> {
+    let eye = scene.cameras[camera].world_from_camera.translation;
+    let frames = scene.instances.iter().map(|instance| instance.world_from_object.translation);
+    let reach = frames.map(|place| place.distance(eye)).fold(0.0, f32::max);
+    if eye.length() <= FAR * reach {
+        return Cow::Borrowed(scene);
+    }
+    let mut near = scene.clone();
+    near.recenter(eye);
+    Cow::Owned(near)
+}
+
+/// The origin is far if it is this many times as far from the camera as the farthest instance. It costs
+/// four bits then, which nobody sees; pictures of ordinary scenes do not depend on it.
+const FAR: f32 = 16.0;
 
 /// [`take`] with a film that may have samples already; `each_pass` is shown the film now and then.
 pub(crate) fn take_on(

@@ -1,7 +1,7 @@
 //! The arrays that make a scene, and the indices between them.
 
 use crate::{Camera, ElementKind, Environment, Material, Method, Shape, Texture};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3A};
 
 /// Plain data: everything is an array, and whatever refers to an element does it by index.
 ///
@@ -28,6 +28,20 @@ impl Scene {
     pub fn set_method(&mut self, kind: ElementKind, method: Method) {
         for shape in self.shapes.iter_mut().filter(|shape| shape.elements.kind() == kind) {
             shape.method = method;
+        }
+    }
+
+    /// Moves the frames of cameras and instances so that `origin` becomes the origin of the world.
+    ///
+    /// Positions have 24 bits: 10 km from the origin they are multiples of a millimeter, and so is what
+    /// rays keep clear of. A scene that is far away is traced with more digits if it is brought near
+    /// first. The subtraction is exact for frames within half their distance from `origin`.
+    pub fn recenter(&mut self, origin: Vec3A) {
+        for camera in &mut self.cameras {
+            camera.world_from_camera.translation -= origin;
+        }
+        for instance in &mut self.instances {
+            instance.world_from_object.translation -= origin;
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Sixteen rays go through each pixel, always the same. What they meet is known to the last bit, so
 //! that a change of one ray is a fault and not chance: where [`super::verdict`] says how sure it is,
-//! this says yes or no.
+//! this says yes or no. Whatever moves the mean of a pixel by two of the steps in which it is stored is
+//! found: one ray more or less, one normal that is flipped, a texture that is shifted by 1/256.
 //!
 //! | check | mean over the rays of a pixel | finds |
 //! | --- | --- | --- |
@@ -33,7 +34,7 @@ pub(crate) struct Channel {
     /// In the file of a reference.
     pub(crate) name: &'static str,
     check: Check,
-    /// Values are stored in multiples of this, or with ten bits if that is coarser.
+    /// Values are stored in multiples of this, or with eleven bits if that is coarser.
     step: f64,
     /// How many steps apart two values may be: other libraries of mathematics round otherwise.
     steps: f64,
@@ -44,7 +45,7 @@ const COUNT: f64 = 1.0 / RAYS as f64;
 /// Well above what rounding does to colours, normals and texture coordinates of a picture of this
 /// size, and well below what one ray of a pixel does to their mean.
 const FINE: f64 = 1.0 / 512.0;
-const TEN_BITS: f64 = 1.0 / 1024.0;
+const ELEVEN_BITS: f64 = 1.0 / 2048.0;
 
 /// What is stored, in the order of [`Probe::values`].
 pub(crate) const CHANNELS: [Channel; 12] = {
@@ -68,10 +69,10 @@ pub(crate) const CHANNELS: [Channel; 12] = {
 };
 
 impl Channel {
-    /// The distance of stored values about `value`. Ten bits where values are large: a whole
+    /// The distance of stored values about `value`. Eleven bits where values are large: a whole
     /// texture repeated a thousand times has no finer texture coordinates than that.
     fn step(&self, value: f64) -> f64 {
-        let relative = if self.step == COUNT { 0.0 } else { value.abs() * TEN_BITS };
+        let relative = if self.step == COUNT { 0.0 } else { value.abs() * ELEVEN_BITS };
         self.step.max(relative.log2().floor().exp2())
     }
 
@@ -84,8 +85,8 @@ impl Channel {
     fn differ(&self, actual: f32, expected: f32) -> bool {
         let (actual, expected) = (f64::from(actual), f64::from(expected));
         let allowed = self.steps * self.step(actual.abs().max(expected.abs()));
-        // In this form a NaN differs from everything.
-        !((actual - expected).abs() <= allowed * 1.001)
+        let difference = (actual - expected).abs();
+        difference.is_nan() || difference > allowed * 1.001
     }
 }
 

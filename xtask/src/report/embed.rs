@@ -15,6 +15,8 @@ const WIDEST: u32 = 1920;
 /// A PNG up to this size is embedded as it is, else a JPEG takes its place.
 const LARGEST_PNG: usize = 400_000;
 const JPEG_QUALITY: u8 = 92;
+/// Width of a thumbnail in pixels.
+const THUMBNAIL: u32 = 400;
 
 /// A picture as a screen shows it.
 pub(super) fn shown(picture: &Picture) -> RgbImage {
@@ -42,6 +44,16 @@ pub(super) fn photo(image: &RgbImage) -> Result<String> {
     }
     let mut jpeg = Vec::new();
     image.write_with_encoder(JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY))?;
+    Ok(data_uri("image/jpeg", &jpeg))
+}
+
+/// A data URI of a small copy of a picture.
+pub(super) fn thumbnail(picture: &Picture) -> Result<String> {
+    let image = shown(picture);
+    let height = (u64::from(image.height()) * u64::from(THUMBNAIL)).div_ceil(image.width().into());
+    let small = imageops::resize(&image, THUMBNAIL, height as u32, FilterType::Triangle);
+    let mut jpeg = Vec::new();
+    small.write_with_encoder(JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY))?;
     Ok(data_uri("image/jpeg", &jpeg))
 }
 

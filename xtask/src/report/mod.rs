@@ -1,6 +1,6 @@
 //! `report.html`: two pictures and their difference on one page that needs nothing else.
 
-use crate::difference::{Difference, maps};
+use crate::difference::{Difference, maps, metrics::Metrics};
 use crate::picture::Picture;
 use anyhow::Result;
 use crops::Crop;
@@ -8,6 +8,8 @@ use std::fmt::Write as _;
 
 mod crops;
 mod embed;
+mod histogram;
+pub(crate) mod index;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
@@ -32,6 +34,23 @@ pub(crate) struct Report<'a> {
     pub(crate) difference: &'a Difference,
     /// Rows of numbers about the two renders.
     pub(crate) timings: &'a [Timing],
+    /// What becomes of the comparison if both take equal time instead of equal samples.
+    pub(crate) equal_time: Option<EqualTime<'a>>,
+}
+
+/// A picture of the faster method that took as long as the other one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EqualTime<'a> {
+    /// The name of the faster method.
+    pub(crate) faster: &'static str,
+    /// What it makes of the time.
+    pub(crate) picture: &'a Picture,
+    /// Of the slower method and of the faster one.
+    pub(crate) samples: [u32; 2],
+    /// Of the slower method and of the faster one.
+    pub(crate) seconds: [f64; 2],
+    /// Enhanced against vanilla at equal time.
+    pub(crate) metrics: Metrics,
 }
 
 /// One number about each of the two renders.
@@ -88,10 +107,12 @@ pub(crate) fn page(report: &Report<'_>) -> Result<String> {
             ("script", SCRIPT.trim_end()),
             ("width", &vanilla.width().to_string()),
             ("height", &vanilla.height().to_string()),
-            ("vanilla", &embed::photo(&vanilla)?),
-            ("enhanced", &embed::photo(&enhanced)?),
+            ("pictures", &pictures(&vanilla, &enhanced, report.equal_time.as_ref())?),
+            ("choice", &report.equal_time.as_ref().map(choice).unwrap_or_default()),
+            ("lightness", &histogram::of_lightness(report.vanilla, report.enhanced)),
+            ("visibility", &histogram::of_flip(&difference.flip)),
             ("crops", &crops),
-            ("metrics", &metrics_table(difference)),
+            ("metrics", &metrics_table(difference, report.equal_time.as_ref())),
             ("timings", &timings_table(report.timings)),
             ("maps", &maps),
         ],
@@ -119,6 +140,50 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
 /// Text as HTML.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The pictures that lie over each other in the slider.
+fn pictures(
+    vanilla: &image::RgbImage,
+    enhanced: &image::RgbImage,
+    equal_time: Option<&EqualTime<'_>>,
+) -> Result<String> {
+    let mut html = String::new();
+    for (name, image, meaning) in [
+        ("vanilla", vanilla, "points as discs, lines by distance, quads as two triangles"),
+        (
+            "enhanced",
+            enhanced,
+            "points as spheres, lines as rounded cones, quads as bilinear patches",
+        ),
+    ] {
+        let uri = embed::photo(image)?;
+        writeln!(
+            html,
+            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">"
+        )?;
+        if let Some(longer) = equal_time.filter(|longer| longer.faster == name) {
+            let uri = embed::photo(&embed::shown(longer.picture))?;
+            let samples = longer.samples[1];
+            writeln!(
+                html,
+                "<img class=\"{name} longer\" src=\"{uri}\" alt=\"The {name} picture with {samples} samples\">"
+            )?;
+        }
+    }
+    Ok(html)
+}
+
+/// Switches between equal samples and equal time.
+fn choice(equal_time: &EqualTime<'_>) -> String {
+    let EqualTime { faster, samples: [fewer, more], seconds: [slow, fast], .. } = equal_time;
+    let slower = if *faster == "vanilla" { "enhanced" } else { "vanilla" };
+    format!(
+        "<fieldset class=\"choice\"><legend>The two pictures have</legend>\n\
+         <label><input type=\"radio\" name=\"equal\" checked> equal samples: {fewer}</label>\n\
+         <label><input type=\"radio\" name=\"equal\" id=\"equal-time\"> equal time: {slower} {fewer} \
+         samples in {slow:.1} s, {faster} {more} in {fast:.1} s</label>\n</fieldset>"
+    )
 }
 
 fn crop_figure(
@@ -183,27 +248,34 @@ fn marks(crops: &[Crop], width: u32, height: u32) -> String {
     crops.iter().enumerate().map(mark).collect()
 }
 
-fn metrics_table(difference: &Difference) -> String {
-    let m = &difference.metrics;
-    let rows = [
-        ("mean luminance, enhanced", "", m.mean_luminance_a),
-        ("mean luminance, vanilla", "", m.mean_luminance_b),
-        ("luminance ratio", "enhanced over vanilla", m.luminance_ratio),
-        ("mean_abs", "mean of |e \u{2212} v| in linear RGB", m.mean_abs),
-        ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", m.rmse),
-        ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", m.rel_mse),
-        ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", m.rel_mse_trimmed),
-        ("flip_mean", "0: same for the eye, 1: as different as can be", m.flip_mean),
-        (
-            "changed_fraction",
-            "pixels that differ by more than two steps of 8-bit sRGB",
-            m.changed_fraction,
-        ),
+fn metrics_table(difference: &Difference, equal_time: Option<&EqualTime<'_>>) -> String {
+    type Row = (&'static str, &'static str, fn(&Metrics) -> f64);
+    let rows: [Row; 9] = [
+        ("mean luminance, enhanced", "", |m| m.mean_luminance_a),
+        ("mean luminance, vanilla", "", |m| m.mean_luminance_b),
+        ("luminance ratio", "enhanced over vanilla", |m| m.luminance_ratio),
+        ("mean_abs", "mean of |e \u{2212} v| in linear RGB", |m| m.mean_abs),
+        ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", |m| m.rmse),
+        ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", |m| m.rel_mse),
+        ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", |m| m.rel_mse_trimmed),
+        ("flip_mean", "0: same for the eye, 1: as different as can be", |m| m.flip_mean),
+        ("changed_fraction", "pixels that differ by more than two steps of 8-bit sRGB", |m| {
+            m.changed_fraction
+        }),
     ];
-    let mut html = String::from("<table><caption>Difference</caption><tbody>\n");
+    let mut html = String::from("<table><caption>Difference</caption>\n");
+    if equal_time.is_some() {
+        html += "<thead><tr><th></th><th scope=\"col\">equal samples</th>\
+                 <th scope=\"col\">equal time</th></tr></thead>";
+    }
+    html += "<tbody>\n";
     for (name, meaning, value) in rows {
         html += &format!("<tr><th scope=\"row\">{name}<small>{meaning}</small></th>");
-        html += &format!("<td>{value:.6}</td></tr>\n");
+        html += &format!("<td>{:.6}</td>", value(&difference.metrics));
+        if let Some(longer) = equal_time {
+            html += &format!("<td>{:.6}</td>", value(&longer.metrics));
+        }
+        html += "</tr>\n";
     }
     html + "</tbody></table>"
 }

@@ -1,6 +1,6 @@
 //! What a page must hold.
 
-use super::{Report, Timing, escape, fill, page};
+use super::{EqualTime, Report, Timing, escape, fill, page};
 use crate::difference::Difference;
 use crate::picture::Picture;
 use glam::Vec3;
@@ -20,6 +20,13 @@ fn example(scene: &str) -> String {
         vanilla: &vanilla,
         enhanced: &enhanced,
         difference: &Difference::between(&enhanced, &vanilla).unwrap(),
+        equal_time: Some(EqualTime {
+            faster: "vanilla",
+            picture: &vanilla,
+            samples: [64, 96],
+            seconds: [3.0, 3.01],
+            metrics: Difference::between(&enhanced, &vanilla).unwrap().metrics,
+        }),
         timings: &[Timing { label: "render, s", vanilla: 2.0, enhanced: 3.0, digits: 2 }],
     })
     .unwrap()
@@ -34,7 +41,9 @@ fn a_page_holds_all_it_shows_and_asks_for_nothing_else() {
     }
     let images = html.matches("<img ").count();
     assert_eq!(html.matches("src=\"data:image/").count(), images);
-    assert!(images >= 2 + 3 + 2, "{images} images");
+    assert!(images >= 3 + 3 + 2, "{images} images");
+    assert!(html.contains("enhanced 64 samples in 3.0 s, vanilla 96 in 3.0 s"));
+    assert_eq!(html.matches("<svg ").count(), 2);
     assert!(html.contains("<td>2.00</td><td>3.00</td><td>1.50</td>"));
 }
 
