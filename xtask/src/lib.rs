@@ -17,7 +17,7 @@
 
 #![expect(clippy::print_stderr, reason = "this crate is the one that talks to people")]
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
@@ -26,6 +26,7 @@ mod accuracy;
 mod cancel;
 mod checkpoint;
 mod compare;
+mod completions;
 mod console;
 mod diff;
 mod difference;
@@ -55,17 +56,21 @@ Exit codes:
 
 Examples:
   cargo xtask compare shapes4
+  cargo xtask compare --all --samples 16
   cargo xtask render shapes4 --mode vanilla --out vanilla.png
   cargo xtask diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
-  cargo xtask COMMAND --help";
+  cargo xtask golden
+  cargo xtask COMMAND --help
+
+Colours and progress bars are for terminals only; NO_COLOR turns colours off there too.";
 
 /// Points as spheres, lines as rounded cones, quads as bilinear patches: render, compare, measure.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
-#[command(arg_required_else_help = true, args_override_self = true)]
+#[command(args_override_self = true)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -92,6 +97,18 @@ enum Command {
     Tidy(tidy::Args),
     /// Measure how fast trees are built and walked.
     Rays(rays::Args),
+    /// Print what a shell needs to complete commands.
+    Completions(completions::Args),
+}
+
+impl Cli {
+    /// Without a command, says which there are.
+    fn run(self) -> anyhow::Result<()> {
+        match self.command {
+            Some(command) => command.run(),
+            None => Ok(Self::command().print_help()?),
+        }
+    }
 }
 
 impl Command {
@@ -108,6 +125,7 @@ impl Command {
             Self::Golden(args) => golden::run(args),
             Self::Tidy(args) => tidy::run(args),
             Self::Rays(args) => rays::run(args),
+            Self::Completions(args) => completions::run(&args),
         }
     }
 }
@@ -123,7 +141,7 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
-    match cli.command.run() {
+    match cli.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
@@ -140,7 +158,7 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
 ///
 /// What the command line or the command itself complains about.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> anyhow::Result<()> {
-    Cli::try_parse_from(arguments)?.command.run()
+    Cli::try_parse_from(arguments)?.run()
 }
 
 /// Whether all that went wrong is that nobody reads standard output any more.

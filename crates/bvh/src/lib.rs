@@ -26,3 +26,4 @@ pub use build::MAX_PRIMITIVES;
 pub use bvh::Bvh;
 pub use isa::{Isa, UnknownIsa};
 pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
+pub use rotund_geometry as geometry;

@@ -81,6 +81,7 @@ pub use environment::Environment;
 pub use intersect::{SceneHit, Trees};
 pub use load::{LoadError, LoadOptions, Loaded, NamedBy, load};
 pub use material::{Material, MaterialKind, MaterialPoint};
+pub use rotund_geometry as geometry;
 pub use scene::{Instance, Scene};
 pub use shape::{ElementKind, Elements, Method, Shape};
 pub use texture::{Pixels, Texture};

@@ -50,5 +50,6 @@ pub use film::{Film, Image, MergeError, Shard};
 pub use light::Lights;
 pub use mis::power_heuristic;
 pub use render::{Options, Progress, render, resume};
+pub use rotund_scene as scene;
 pub use sampler::{Sampler, Sequence};
 pub use view::{Layers, View, layers};

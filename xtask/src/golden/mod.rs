@@ -44,6 +44,7 @@ use page::Failure;
 use reference::Reference;
 use rotund_bvh::Isa;
 use rotund_trace::{Sequence, output};
+use serde_json::json;
 use significance::FALSE_ALARMS;
 use std::fs;
 use std::io::Write as _;
@@ -114,6 +115,9 @@ pub(crate) struct Args {
     /// one if this does not, else it is the fastest.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "bless")]
     isa: Vec<String>,
+    /// Print one JSON list with an object for each picture instead of a table.
+    #[arg(long, conflicts_with_all = ["bless", "seeds"])]
+    json: bool,
     /// Where the page about pictures that differ is written.
     #[arg(long, value_name = "FILE.html", default_value = "out/golden/report.html")]
     report: PathBuf,
@@ -180,6 +184,7 @@ fn check(
     ]);
     let bar = ProgressBar::new((isas.len() * cases.len()) as u64);
     let (mut failures, mut complaints, mut failed) = (Vec::new(), Vec::new(), 0);
+    let mut objects = Vec::new();
     let start = Instant::now();
     for (case, &isa) in cases.iter().flat_map(|case| isas.iter().map(move |isa| (case, isa))) {
         let case_start = Instant::now();
@@ -191,6 +196,9 @@ fn check(
         match examine(case, args, isa, args.seed, pictures)? {
             Outcome::Failed(complaint) => {
                 table.row([&case.name, isa.name(), "", "", "", "", "", "", "FAILED"]);
+                objects.push(json!({
+                    "picture": case.name, "isa": isa.name(), "passed": false, "complaint": complaint,
+                }));
                 complaints.push(format!("{name}: {complaint}"));
                 failed += 1;
             }
@@ -207,6 +215,22 @@ fn check(
                     chance(verdict.smallest_p),
                     if verdict.findings.is_empty() { "ok" } else { "FAILED" }.to_owned(),
                 ]);
+                let findings = verdict.findings.iter();
+                let findings: Vec<_> = findings
+                    .map(|found| json!({ "check": found.check.to_string(), "text": found.text }))
+                    .collect();
+                objects.push(json!({
+                    "picture": case.name,
+                    "isa": isa.name(),
+                    "passed": findings.is_empty(),
+                    "samples": REPLICAS * reference.samples,
+                    "seconds": case_start.elapsed().as_secs_f64(),
+                    "energy": verdict.energy,
+                    "flip": verdict.flip,
+                    "flip_limit": verdict.flip_limit,
+                    "smallest_p": verdict.smallest_p,
+                    "findings": findings,
+                }));
                 if !verdict.findings.is_empty() {
                     failed += 1;
                     for finding in &verdict.findings {
@@ -226,16 +250,23 @@ fn check(
         bar.inc(1);
     }
     bar.finish_and_clear();
-    say(table.to_string())?;
     for path in dead {
         complaints.push(format!("{} is the reference of no scene", path.display()));
     }
+    if args.json {
+        say(serde_json::to_string_pretty(&objects)?)?;
+    } else {
+        say(table.to_string())?;
+    }
     if complaints.is_empty() {
+        if args.json {
+            return Ok(());
+        }
         let sets: Vec<&str> = isas.iter().map(|isa| isa.name()).collect();
         let seconds = start.elapsed().as_secs_f64();
         return say(format!("{} pictures in {seconds:.1} s by {}", cases.len(), sets.join(", ")));
     }
-    for complaint in &complaints {
+    for complaint in complaints.iter().filter(|_| !args.json) {
         say(complaint)?;
     }
     let mut hint = String::new();

@@ -2,6 +2,7 @@
 //!
 //! - A crate depends only on crates that stand to its left in [`LAYERS`].
 //! - A source file has at most [`MOST_LINES`] lines, `ARCHITECTURE.md` at most [`MOST_LINES_OF_MAP`].
+//! - Unsafe code, files, arguments, JSON stay where `ARCHITECTURE.md` puts them.
 //! - Nothing unfinished, switched off or of one machine is left behind.
 //! - Every scene loads without a warning, is mentioned where people find it, and every file beside
 //!   the scenes belongs to one.
@@ -13,6 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+mod places;
 mod scenes;
 
 /// The direction of dependencies.
@@ -49,6 +51,7 @@ pub(crate) fn run(_: Args) -> Result<()> {
     let files = text_files(&root)?;
     for (path, text) in &files {
         findings.extend(check_text(path, text));
+        findings.extend(places::check(path, text));
     }
     findings.extend(scenes::check(&root, &files)?);
     for finding in &findings {
