@@ -16,22 +16,7 @@
 //! cargo xtask golden --dir goldens scenes/a.json scenes/b.json           # in every build
 //! ```
 //!
-//! As a job of GitHub Actions, with the page of what differs as an artifact if it fails:
-//!
-//! ```yaml
-//! golden:
-//!   runs-on: ubuntu-latest
-//!   steps:
-//!     - uses: actions/checkout@v4
-//!       with: { path: scenes }
-//!     - uses: actions/checkout@v4
-//!       with: { repository: rotund-rs/rotund, path: rotund }
-//!     - run: cargo xtask golden --dir ../scenes/goldens ../scenes/*.json
-//!       working-directory: rotund
-//!     - uses: actions/upload-artifact@v4
-//!       if: failure()
-//!       with: { name: golden, path: rotund/out/golden }
-//! ```
+//! The README of the workspace has a job of GitHub Actions for that.
 
 use crate::console::{Table, say};
 use crate::workspace;
