@@ -185,29 +185,10 @@ fn an_output_folder_without_permission_is_found_out_before_the_render() {
     assert_refused("closed folder", folder.path(), &output, 1, &["cannot write"]);
 }
 
-#[cfg(unix)]
-#[test]
-fn an_interrupted_render_exits_with_130_and_writes_nothing() {
-    let (folder, _) = scene("", "", TRIANGLE);
-    let mut child = Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .current_dir(folder.path())
-        .args(["render", "scene.json", "--samples", "1000000", "--out", "a.png"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    // Long enough for the render to have begun; before that the signal ends it another way.
-    std::thread::sleep(std::time::Duration::from_secs(2));
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.expect("kill runs").success(), "the signal was sent");
-    assert_eq!(child.wait().expect("it ends").code(), Some(130));
-    let files = fs::read_dir(folder.path()).expect("the folder is there").count();
-    assert_eq!(files, 2, "only the scene and its shape");
-}
-
 #[test]
 fn help_shows_examples_of_every_command() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for command in ["compare", "render", "diff", "info"] {
+    for command in ["compare", "render", "moved", "diff", "info", "golden", "completions"] {
         let output = xtask(folder.path(), &[command, "--help"]);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(output.status.success(), "{command}");
