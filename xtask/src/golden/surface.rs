@@ -130,7 +130,7 @@ impl Probe {
             crossings,
             escapes: !trees.any(scene, &Ray::new(origin, away)),
             depth: first.t,
-            normal: scene.eval_shading_normal(&first, -ray.direction),
+            normal: scene.shading_normal(&first, -ray.direction),
             texcoord: scene.eval_texcoord(first.instance, first.element, first.uv),
             color: material.color,
         }
