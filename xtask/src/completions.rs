@@ -9,7 +9,10 @@ use clap::CommandFactory as _;
 use clap_complete::Shell;
 
 const EXAMPLES: &str = "\
-Examples, for bash (put both lines into ~/.bashrc):
+Examples:
+  cargo xtask completions zsh > ~/.zfunc/_xtask
+
+For bash, both lines in ~/.bashrc:
   alias xtask='cargo xtask'
   source <(cargo xtask completions bash)";
 

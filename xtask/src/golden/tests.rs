@@ -124,8 +124,11 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
 fn a_flipped_normal_is_caught() {
     let flipped = faulty("quads-enhanced", |scene| {
         let saddle = scene.shapes.iter_mut().find(|shape| !shape.normals.is_empty()).unwrap();
-        let middle = saddle.normals.len() / 2;
-        saddle.normals[middle] = -saddle.normals[middle];
+        // Vertices are 4 x 4: this one has quads all around. At the rim the bound on shading normals
+        // mends so much that the light hardly tells; what is seen without light does.
+        let [row, column] = [1, 1];
+        let inner = 4 * row + column;
+        saddle.normals[inner] = -saddle.normals[inner];
     });
     assert_caught(&flipped, Check::Block, "block");
 }
