@@ -23,8 +23,9 @@ const SAH_DEPTH: usize = 24;
 /// halved has less than twelve levels of eight-wide nodes.
 pub(crate) const MAX_DEPTH: usize = SAH_DEPTH + 12;
 
-/// Ranges up to this length are built by one thread.
-const TASK: usize = 1 << 14;
+/// Ranges up to this length are built by one thread: a whole tree of no more than this by the caller's, without
+/// waking, or starting, a pool of others.
+pub(crate) const TASK: usize = 1 << 14;
 
 /// The most primitives that a tree holds: 2^31 - 2, since one bit of 32 tells leaves from nodes. Larger scenes
 /// are split in several trees, under a [`crate::Bvh`] over their bounds.
@@ -50,7 +51,12 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
         "a tree holds at most {MAX_PRIMITIVES} boxes, not {count}: split the scene in several trees"
     );
     let mut records: Vec<Record> = Vec::with_capacity(count);
-    records.par_extend((0..count as u32).into_par_iter().filter_map(|i| Record::new(i, bounds(i))));
+    let record = |i| Record::new(i, bounds(i));
+    if count <= TASK {
+        records.extend((0..count as u32).filter_map(record));
+    } else {
+        records.par_extend((0..count as u32).into_par_iter().filter_map(record));
+    }
     let extent = Extent::of_many(&records);
     if records.is_empty() {
         let tree = Tree { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
@@ -60,14 +66,16 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
     let plan = plan(&mut records, 0, extent, 0, costs);
     let mut tasks = Vec::new();
     let plan = plan.collect(&mut tasks);
-    let outputs: Vec<Output> = tasks
-        .into_par_iter()
-        .map(|task| {
-            let mut output = Output::default();
-            output.root = output.subtree(task.records, task.start, &task.extent, task.depth, costs);
-            output
-        })
-        .collect();
+    let run = |task: Task| {
+        let mut output = Output::default();
+        output.root = output.subtree(task.records, task.start, &task.extent, task.depth, costs);
+        output
+    };
+    let outputs: Vec<Output> = if tasks.len() == 1 {
+        tasks.into_iter().map(run).collect()
+    } else {
+        tasks.into_par_iter().map(run).collect()
+    };
 
     let mut joined = Joined { nodes: Vec::new(), leaves: Vec::new(), roots: Vec::new() };
     let top = plan.node_count();

@@ -121,6 +121,20 @@ fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
         .collect()
 }
 
+/// Miri, which checks each access of the vector code, takes seconds for what else takes microseconds: it has
+/// these few, on trees small enough for one thread.
+#[test]
+fn small_trees_agree_with_a_loop() {
+    for count in [24, 30] {
+        let mut random = Random(count as u64);
+        let rays = rays(&mut random, 9);
+        check!(SphereTree, spheres(&mut random, count, 0.5), rays.clone(), 1, point);
+        check!(ConeTree, cones(&mut random, count, 1.0), rays.clone(), 1, line);
+        check!(PatchTree, patches(&mut random, count, 1.0), rays.clone(), 1, quad);
+        check!(TriangleTree, triangles(&mut random, count, 1.0), rays, 1, |t: &Triangle| *t);
+    }
+}
+
 #[test]
 fn spheres_agree_with_a_loop() {
     for (count, size) in [(1, 0.5), (2, 0.5), (9, 0.3), (300, 0.1), (3000, 0.02)] {

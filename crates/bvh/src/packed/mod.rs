@@ -14,7 +14,7 @@ mod report;
 mod sphere;
 mod triangle;
 
-use crate::build::build;
+use crate::build::{TASK, build};
 use crate::huge;
 use crate::isa::Isa;
 use crate::node::{Tree, WIDTH};
@@ -91,7 +91,11 @@ impl<P: Kernel> Packed<P> {
             P::pack(&ids.map(lane), ids)
         };
         let mut blocks = huge::vec_with_capacity(built.leaves.len());
-        built.leaves.par_iter().map(packed).collect_into_vec(&mut blocks);
+        if primitives.len() <= TASK {
+            blocks.extend(built.leaves.iter().map(packed));
+        } else {
+            built.leaves.par_iter().map(packed).collect_into_vec(&mut blocks);
+        }
         Self { tree: built.tree, blocks, isa: Isa::default_set() }
     }
 
