@@ -20,7 +20,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{Camera, Scene, Trees};
-use std::f32::consts::{GOLDEN_RATIO, TAU};
+use std::f32::consts::TAU;
 
 /// Rays through a pixel, in a square of so many by so many.
 const SIDE: usize = 4;
@@ -147,6 +147,7 @@ impl Probe {
 /// One of [`RAYS`] directions spread over the sphere (R. Swinbank, R. Purser, "Fibonacci grids",
 /// Quarterly Journal of the Royal Meteorological Society 132, 2006).
 fn fixed_direction(index: usize) -> Vec3 {
+    const GOLDEN_RATIO: f32 = 1.618_034;
     let z = 1.0 - (2 * index + 1) as f32 / RAYS as f32;
     let (sin, cos) = (TAU * (index as f32 / GOLDEN_RATIO).fract()).sin_cos();
     let radius = (1.0 - z * z).sqrt();
