@@ -105,7 +105,8 @@ fn neighbours(coordinate: f32, size: u32) -> (u32, u32, f32) {
     (first, (first + 1) % size, if fraction.is_finite() { fraction } else { 0.0 })
 }
 
-static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
+/// Of each byte.
+pub(crate) static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
 
 /// The sRGB transfer function (IEC 61966-2-1), from encoded to linear.

@@ -242,3 +242,69 @@ fn a_radius_has_to_be_a_length_and_is_for_lone_shapes() {
     let warnings = load(&scene, &options).expect("loads").warnings;
     assert!(warnings.len() == 1 && warnings[0].contains("changes nothing"), "{warnings:?}");
 }
+
+/// Ten thousand vertices: more than are read at a time.
+fn many(encoding: &str, bad: Option<(usize, f32)>) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat {encoding} 1.0\nelement vertex 10000\nproperty double z\nproperty float x\n\
+        property float y\nproperty float radius\nproperty ushort red\nproperty uchar green\n\
+        property uchar blue\nproperty uchar alpha\nelement point 10000\n\
+        property list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    let mut number = |text: String, little: &[u8]| match encoding {
+        "ascii" => bytes.extend(format!("{text} ").bytes()),
+        "binary_little_endian" => bytes.extend(little),
+        _ => bytes.extend(little.iter().rev()),
+    };
+    macro_rules! put {
+        ($($value:expr),*) => { $(let value = $value; number(value.to_string(), &value.to_le_bytes());)* };
+    }
+    for i in 0..10_000_u16 {
+        let x = f32::from(i);
+        let radius = bad.filter(|(at, _)| *at == usize::from(i)).map_or(x * 0.25, |(_, bad)| bad);
+        put!(f64::from(i) * 3.0, x, x * 0.5, radius, i, (i % 256) as u8, 255_u8, (i % 128) as u8);
+    }
+    for i in 0..10_000_i32 {
+        put!(1_u8, i);
+    }
+    bytes
+}
+
+#[test]
+fn a_cloud_of_many_blocks_is_the_same_in_every_encoding() {
+    let encodings = ["ascii", "binary_little_endian", "binary_big_endian"];
+    let shapes = encodings.map(|encoding| shape(&many(encoding, None)));
+    for (shape, encoding) in shapes.iter().zip(encodings) {
+        assert_eq!(shape.elements, Elements::Points(10_000), "{encoding}");
+        for (i, (position, radius)) in (0_u16..).zip(shape.positions.iter().zip(&shape.radii)) {
+            let x = f32::from(i);
+            assert_eq!((*position, *radius), (vec3(x, 0.5 * x, 3.0 * x), 0.25 * x), "{encoding}");
+            let color = shape.colors[usize::from(i)];
+            assert_eq!((color.z, color.w), (1.0, f32::from(i % 128) / 255.0), "{encoding} {i}");
+        }
+        assert_eq!(shape.colors, shapes[0].colors, "{encoding}");
+    }
+}
+
+#[test]
+fn what_is_wrong_far_into_a_file_is_named_by_the_first_place() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("thing.ply");
+    for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        std::fs::write(&path, many(encoding, Some((9_001, -1.0)))).expect("writes the file");
+        let message =
+            load(&path, &LoadOptions::default()).map(|_| ()).expect_err("refused").to_string();
+        assert!(message.contains("vertex 9001: radius is -1"), "{encoding}: {message}");
+        if encoding == "ascii" {
+            // The last number without its last digits is a number.
+            continue;
+        }
+        let whole = many(encoding, None);
+        for (cut, part) in [(3, "point 9999 of 10000"), (60_000, "vertex 9600 of 10000")] {
+            std::fs::write(&path, &whole[..whole.len() - cut]).expect("writes the file");
+            let message = load(&path, &LoadOptions::default()).map(|_| ()).expect_err("refused");
+            assert!(message.to_string().contains(part), "{encoding}: {message}");
+        }
+    }
+}

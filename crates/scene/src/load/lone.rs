@@ -32,7 +32,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadErr
     if options.radius.is_some() {
         shape.radii.fill(radius);
     }
-    let bounds = Aabb::from_points(shape.positions.iter().copied());
+    let bounds = bounds_of(&shape);
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if largest > LARGEST {
         return Err(LoadError::Value {
@@ -53,19 +53,38 @@ const LARGEST: f32 = 1e15;
 /// The median over a sample; 0.001 m if there are no neighbours.
 fn default_radius(positions: &[Vec3]) -> f32 {
     const SAMPLE: usize = 33;
-    let step = (positions.len() / SAMPLE).max(1);
-    let mut nearest: Vec<f32> = (0..positions.len())
-        .step_by(step)
-        .collect::<Vec<_>>()
-        .into_par_iter()
-        .map(|i| {
-            let apart = positions.iter().map(|p| p.distance_squared(positions[i]));
-            apart.filter(|square| *square > 0.0).fold(f32::INFINITY, f32::min).sqrt()
-        })
-        .filter(|distance| distance.is_finite())
-        .collect();
+    // Few enough for a cache, in which they are compared with the whole sample.
+    const BLOCK: usize = 1 << 10;
+    let sample: Vec<Vec3> =
+        positions.iter().step_by((positions.len() / SAMPLE).max(1)).copied().collect();
+    let nearest = |block: &[Vec3]| {
+        let columns = [0, 1, 2].map(|axis| block.iter().map(|p| p[axis]).collect::<Vec<f32>>());
+        sample.iter().map(|p| nearest_square(*p, &columns)).collect::<Vec<_>>()
+    };
+    let less = |a: Vec<f32>, b: Vec<f32>| a.iter().zip(b).map(|(a, b)| a.min(b)).collect();
+    let mut nearest =
+        positions.par_chunks(BLOCK).map(nearest).reduce_with(less).unwrap_or_default();
+    nearest.retain(|square| square.is_finite());
     nearest.sort_unstable_by(f32::total_cmp);
-    nearest.get(nearest.len() / 2).map_or(mesh::DEFAULT_RADIUS, |distance| 0.5 * distance)
+    nearest.get(nearest.len() / 2).map_or(mesh::DEFAULT_RADIUS, |square| 0.5 * square.sqrt())
+}
+
+/// The square of the distance to the nearest of the points, given by their coordinates, that is not at
+/// `p` itself; infinite if there is none.
+fn nearest_square(p: Vec3, [x, y, z]: &[Vec<f32>; 3]) -> f32 {
+    // As many minima as a register has lanes: they do not wait for one another.
+    const LANES: usize = 8;
+    let mut nearest = [f32::INFINITY; LANES];
+    let (x, y, z) = (x.chunks(LANES), y.chunks(LANES), z.chunks(LANES));
+    for ((x, y), z) in x.zip(y).zip(z) {
+        for (((nearest, x), y), z) in nearest.iter_mut().zip(x).zip(y).zip(z) {
+            let (x, y, z) = (x - p.x, y - p.y, z - p.z);
+            let square = x * x + y * y + z * z;
+            let square = if square > 0.0 { square } else { f32::INFINITY };
+            *nearest = if square < *nearest { square } else { *nearest };
+        }
+    }
+    nearest.into_iter().fold(f32::INFINITY, f32::min)
 }
 
 /// A camera that sees all instances; `None` if there are none, or if they lie beyond what `f32` frames.
@@ -75,7 +94,7 @@ pub(super) fn camera_for(scene: &Scene) -> Option<Camera> {
     for instance in &scene.instances {
         let shape = &scene.shapes[instance.shape as usize];
         let frame = instance.world_from_object;
-        let around = Aabb::from_points(shape.positions.iter().copied());
+        let around = bounds_of(shape);
         for corner in 0..8_u32 {
             let pick = |axis: u32| if corner >> axis & 1 == 0 { around.min } else { around.max };
             let corner = Vec3::new(pick(0).x, pick(1).y, pick(2).z);
@@ -89,8 +108,15 @@ pub(super) fn camera_for(scene: &Scene) -> Option<Camera> {
     fits.then(|| camera_around(bounds, extent(bounds, thickest.min(LARGEST))))
 }
 
+/// Of the vertices.
+fn bounds_of(shape: &Shape) -> Aabb {
+    let blocks = shape.positions.par_chunks(1 << 14);
+    let bounds = blocks.map(|block| Aabb::from_points(block.iter().copied()));
+    bounds.reduce(|| Aabb::EMPTY, Aabb::union)
+}
+
 fn thickest_of(shape: &Shape) -> f32 {
-    shape.radii.iter().copied().fold(0.0, f32::max).min(LARGEST)
+    shape.radii.par_iter().copied().reduce(|| 0.0, f32::max).min(LARGEST)
 }
 
 /// The radius of a ball about the middle of `bounds` that holds them. A lone point has an extent as well;

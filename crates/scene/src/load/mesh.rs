@@ -2,6 +2,7 @@
 
 use crate::{Elements, LoadError, Method, Shape};
 use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Arrays as they come from a file. Indices may be out of range and values may be no numbers.
@@ -167,31 +168,26 @@ impl Mesh {
                 expected,
             })
         };
-        if let Some(i) = self.positions.iter().position(|p| !p.is_finite()) {
+        if let Some(i) = first(&self.positions, |p| !p.is_finite()) {
             let [x, y, z] = self.positions[i].to_array();
             return bad(i, "position", format!("({x}, {y}, {z})"), "finite coordinates");
         }
-        if let Some(i) = self.radii.iter().position(|r| !(r.is_finite() && *r >= 0.0)) {
+        if let Some(i) = first(&self.radii, |r| !(r.is_finite() && *r >= 0.0)) {
             let expected = "a finite number that is not negative";
             return bad(i, "radius", self.radii[i].to_string(), expected);
         }
         let unfit = |c: &Vec4| !c.is_finite() || c.cmplt(Vec4::ZERO).any();
-        if let Some(i) = self.colors.iter().position(unfit) {
+        if let Some(i) = first(&self.colors, unfit) {
             let [r, g, b, a] = self.colors[i].to_array();
             let expected = "finite numbers that are not negative";
             return bad(i, "color", format!("({r}, {g}, {b}, {a})"), expected);
         }
         // Real files have a few of these where a mesh degenerates, and zero has a meaning: no
         // normal of its own.
-        let mut mended = 0;
-        for normal in self.normals.iter_mut().filter(|normal| !normal.is_finite()) {
-            *normal = Vec3::ZERO;
-            mended += 1;
-        }
-        for texcoord in self.texcoords.iter_mut().filter(|texcoord| !texcoord.is_finite()) {
-            *texcoord = Vec2::ZERO;
-            mended += 1;
-        }
+        let normals = self.normals.par_iter_mut().filter(|normal| !normal.is_finite());
+        let texcoords = self.texcoords.par_iter_mut().filter(|texcoord| !texcoord.is_finite());
+        let mended = normals.map(|normal| *normal = Vec3::ZERO).count()
+            + texcoords.map(|texcoord| *texcoord = Vec2::ZERO).count();
         if mended > 0 {
             warnings.push(format!(
                 "{}: {mended} normals or texture coordinates are not finite; taken as zero",
@@ -221,6 +217,15 @@ impl Mesh {
         pick(points, &mut self.radii);
         Ok(())
     }
+}
+
+/// The index of the first value that is bad.
+fn first<T: Sync>(values: &[T], bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    const BLOCK: usize = 1 << 12;
+    // Nearly always there is none, which is sooner known of all together than of each.
+    let any = |block: &[T]| block.iter().fold(false, |any, value| any | bad(value));
+    let block = values.par_chunks(BLOCK).position_first(any)? * BLOCK;
+    values[block..].iter().position(&bad).map(|i| block + i)
 }
 
 fn check_indices<const N: usize>(

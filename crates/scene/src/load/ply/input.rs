@@ -45,6 +45,23 @@ impl<R: BufRead> Input<R> {
         }
     }
 
+    /// The bytes that need no more reading; empty if the file ends.
+    pub(super) fn at_hand(&mut self) -> Result<&[u8], LoadError> {
+        while let Err(error) = self.reader.fill_buf() {
+            if error.kind() != io::ErrorKind::Interrupted {
+                return Err(self.failed(error));
+            }
+        }
+        // Full already, so this does not fail.
+        Ok(self.reader.fill_buf().unwrap_or_default())
+    }
+
+    /// Passes over bytes that were at hand.
+    pub(super) fn consume(&mut self, count: usize) {
+        self.reader.consume(count);
+        self.remaining = self.remaining.saturating_sub(count as u64);
+    }
+
     /// The next word between white space into `word`, or says that the file ends first. No number
     /// is longer than `word` may grow, so a longer word is cut.
     pub(super) fn word(&mut self, word: &mut String) -> Result<bool, LoadError> {
@@ -65,14 +82,9 @@ impl<R: BufRead> Input<R> {
     }
 
     fn byte(&mut self) -> Result<Option<u8>, LoadError> {
-        let byte = match self.reader.fill_buf() {
-            Ok(buffer) => buffer.first().copied(),
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => return self.byte(),
-            Err(error) => return Err(self.failed(error)),
-        };
+        let byte = self.at_hand()?.first().copied();
         if byte.is_some() {
-            self.reader.consume(1);
-            self.remaining = self.remaining.saturating_sub(1);
+            self.consume(1);
         }
         Ok(byte)
     }

@@ -3,7 +3,7 @@
 //! An own reader, because what a cloud of ten million points needs is what the libraries at hand do
 //! not give: they make a value of each element, by name and one property at a time, and only then
 //! can the values be moved into arrays, which takes more than twice the memory of the arrays. This
-//! one decodes blocks of rows straight into the arrays of a [`Mesh`].
+//! one decodes blocks of rows on all threads, straight into the arrays of a [`Mesh`].
 //!
 //! Source: G. Turk, "The PLY polygon file format", 1994, with the names of properties that yocto-gl
 //! writes.
@@ -29,7 +29,11 @@ use std::{
 /// Reads a mesh from `reader`, which holds `length` bytes; `path` is for messages.
 ///
 /// Memory grows with what was read, never with what a header claims.
-pub(crate) fn read<R: BufRead>(path: &Path, reader: R, length: u64) -> Result<Mesh, LoadError> {
+pub(crate) fn read<R: BufRead + Send>(
+    path: &Path,
+    reader: R,
+    length: u64,
+) -> Result<Mesh, LoadError> {
     let mut input = Input::new(PathBuf::from(path), reader, length);
     let header = header::read(&mut input)?;
     let mut mesh = Mesh::default();

@@ -11,15 +11,31 @@ use std::io::BufRead;
 pub(super) struct Rows<'a, R> {
     pub input: &'a mut Input<R>,
     pub element: &'a Element,
-    encoding: Encoding,
+    pub encoding: Encoding,
     /// How many vertices the file claims to have: for messages.
     vertices: u64,
     word: String,
     bytes: Vec<u8>,
 }
 
-/// Bytes decoded at a time: small enough for a cache.
-const BLOCK: usize = 1 << 15;
+/// Read and decoded at a time: few enough for a cache.
+pub(super) const ROWS: usize = 1 << 12;
+
+/// Calls a macro with the Rust type of a number.
+macro_rules! for_type {
+    ($item:expr, $call:ident) => {
+        match $item {
+            Type::I8 => $call!(i8),
+            Type::U8 => $call!(u8),
+            Type::I16 => $call!(i16),
+            Type::U16 => $call!(u16),
+            Type::I32 => $call!(i32),
+            Type::U32 => $call!(u32),
+            Type::F32 => $call!(f32),
+            Type::F64 => $call!(f64),
+        }
+    };
+}
 
 impl<'a, R: BufRead> Rows<'a, R> {
     pub(super) fn new(
@@ -33,7 +49,30 @@ impl<'a, R: BufRead> Rows<'a, R> {
 
     /// Passes over all rows.
     pub(super) fn skip(&mut self) -> Result<(), LoadError> {
-        self.for_each_row::<0>(&vec![None; self.element.properties.len()], |_| {})
+        match self.row_size() {
+            Some(_) => self.blocks().try_for_each(|block| block.map(drop)),
+            None => self.for_each_row::<0>(&vec![None; self.element.properties.len()], |_| {}),
+        }
+    }
+
+    /// The bytes that each row takes, if they are as many in all.
+    pub(super) fn row_size(&self) -> Option<usize> {
+        let properties = &self.element.properties;
+        let fixed = properties.iter().all(|property| property.count.is_none());
+        (fixed && self.encoding != Encoding::Ascii)
+            .then(|| properties.iter().map(|property| property.item.size()).sum())
+    }
+
+    /// The bytes of all rows, [`ROWS`] in each block but the last; none unless there is a
+    /// [`Rows::row_size`].
+    pub(super) fn blocks(&mut self) -> impl Iterator<Item = Result<Vec<u8>, LoadError>> {
+        let size = self.row_size().unwrap_or(0);
+        let count = if size == 0 { 0 } else { self.element.count };
+        (0..count).step_by(ROWS).map(move |first| {
+            let rows = (count - first).min(ROWS as u64);
+            let mut block = vec![0; size * rows as usize];
+            if self.input.bytes(&mut block)? { Ok(block) } else { Err(self.truncated(first)) }
+        })
     }
 
     /// Calls `each` with the numbers of a row: `columns` says for each property where it goes.
@@ -44,58 +83,23 @@ impl<'a, R: BufRead> Rows<'a, R> {
         mut each: impl FnMut(&[f32; N]),
     ) -> Result<(), LoadError> {
         let element = self.element;
-        let properties = &element.properties;
-        if properties.is_empty() {
+        if element.properties.is_empty() {
             // Rows of nothing, in whatever number.
             return Ok(());
         }
         let mut row = [0.0; N];
-        let fixed = properties.iter().all(|property| property.count.is_none());
-        if self.encoding == Encoding::Ascii || !fixed {
-            for index in 0..element.count {
-                for (property, column) in properties.iter().zip(columns) {
-                    if property.count.is_some() {
-                        self.list(property, index, |_| Ok(()))?;
-                    } else {
-                        let value = self.number(property, property.item, index)?;
-                        if let Some(column) = *column {
-                            row[column] = value as f32;
-                        }
+        for index in 0..element.count {
+            for (property, column) in element.properties.iter().zip(columns) {
+                if property.count.is_some() {
+                    self.list(property, index, |_| Ok(()))?;
+                } else {
+                    let value = self.number(property, property.item, index)?;
+                    if let Some(column) = *column {
+                        row[column] = value as f32;
                     }
                 }
-                each(&row);
             }
-            return Ok(());
-        }
-        let size: usize = properties.iter().map(|property| property.item.size()).sum();
-        let mut offset = 0;
-        let mut fields = Vec::new();
-        for (property, column) in properties.iter().zip(columns) {
-            fields.extend(column.map(|column| (offset, property.item, column)));
-            offset += property.item.size();
-        }
-        let rows_in_block = (BLOCK / size).max(1) as u64;
-        let mut block = vec![0; size * rows_in_block.min(element.count) as usize];
-        let mut done = 0;
-        while done < element.count {
-            let rows = rows_in_block.min(element.count - done);
-            let bytes = &mut block[..size * rows as usize];
-            if !self.input.bytes(bytes)? {
-                return Err(self.truncated(done));
-            }
-            for bytes in bytes.chunks_exact(size) {
-                for &(offset, item, column) in &fields {
-                    row[column] = match (item, self.encoding) {
-                        // The common case, without the detour over f64.
-                        (Type::F32, Encoding::LittleEndian) => {
-                            f32::from_le_bytes(array(&bytes[offset..]))
-                        }
-                        (item, encoding) => decode(item, encoding, &bytes[offset..]) as f32,
-                    };
-                }
-                each(&row);
-            }
-            done += rows;
+            each(&row);
         }
         Ok(())
     }
@@ -111,26 +115,51 @@ impl<'a, R: BufRead> Rows<'a, R> {
             property.count.is_some() && names.contains(&property.name.as_str())
         });
         let Some(found) = found else { return self.skip() };
+        let (vertices, path) = (self.vertices, self.input.path.clone());
+        let vertex = |index: u64, value: f64| {
+            // A fraction is no index; the cast saturates, so nothing wraps round.
+            if value.fract() == 0.0 && (0.0..4_294_967_295.0).contains(&value) {
+                return Ok(value as u32);
+            }
+            Err(LoadError::VertexOutOfRange {
+                path: path.clone(),
+                element: element.name.clone(),
+                index,
+                vertex: value as i64,
+                count: vertices as usize,
+            })
+        };
         let mut list = Vec::new();
-        let vertices = self.vertices;
-        let path = self.input.path.clone();
-        for index in 0..element.count {
+        let mut index = 0;
+        while index < element.count {
+            // Of lists that are at hand as a whole, nothing has to be asked for each number.
+            if let ([property], false) = (&element.properties[..], self.encoding == Encoding::Ascii)
+            {
+                let mut at_hand = self.input.at_hand()?;
+                let before = at_hand.len();
+                while index < element.count
+                    && let Some((items, rest)) = whole_list(property, self.encoding, at_hand)
+                {
+                    list.clear();
+                    for item in items.chunks_exact(property.item.size()) {
+                        list.push(vertex(index, decode(property.item, self.encoding, item))?);
+                    }
+                    each(&list);
+                    at_hand = rest;
+                    index += 1;
+                }
+                let used = before - at_hand.len();
+                self.input.consume(used);
+                if used > 0 {
+                    continue;
+                }
+            }
             for (i, property) in element.properties.iter().enumerate() {
                 if i == found {
                     list.clear();
                     self.list(property, index, |value| {
-                        // A fraction is no index; the cast saturates, so nothing wraps round.
-                        if value.fract() == 0.0 && (0.0..4_294_967_295.0).contains(&value) {
-                            list.push(value as u32);
-                            return Ok(());
-                        }
-                        Err(LoadError::VertexOutOfRange {
-                            path: path.clone(),
-                            element: element.name.clone(),
-                            index,
-                            vertex: value as i64,
-                            count: vertices as usize,
-                        })
+                        list.push(vertex(index, value)?);
+                        Ok(())
                     })?;
                     each(&list);
                 } else if property.count.is_some() {
@@ -139,6 +168,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
                     self.number(property, property.item, index)?;
                 }
             }
+            index += 1;
         }
         Ok(())
     }
@@ -216,6 +246,49 @@ impl<'a, R: BufRead> Rows<'a, R> {
     }
 }
 
+/// The items of the list that `bytes` begin with, and what follows; `None` if it ends later, or has no
+/// good length.
+fn whole_list<'a>(
+    property: &Property,
+    encoding: Encoding,
+    bytes: &'a [u8],
+) -> Option<(&'a [u8], &'a [u8])> {
+    let (count, items) = bytes.split_at_checked(property.count?.size())?;
+    let count = decode(property.count?, encoding, count);
+    // The cast saturates, so no negative count looks like another; what is too long is not there.
+    let size = (count >= 0.0).then(|| (count as usize).checked_mul(property.item.size()))??;
+    items.split_at_checked(size)
+}
+
+/// Appends to `column` the numbers of type `item` that stand `offset` bytes into the rows of a
+/// block.
+#[expect(clippy::cast_lossless, reason = "of all types, most lose nothing")]
+pub(super) fn decode_column(
+    encoding: Encoding,
+    block: &[u8],
+    (size, offset, item): (usize, usize, Type),
+    column: &mut Vec<f32>,
+) {
+    // The type is the same for all rows: one loop for each keeps the question out of it.
+    macro_rules! each {
+        ($type:ty) => {
+            match encoding {
+                Encoding::BigEndian => column.extend(
+                    block
+                        .chunks_exact(size)
+                        .map(|row| <$type>::from_be_bytes(array(&row[offset..])) as f32),
+                ),
+                _ => column.extend(
+                    block
+                        .chunks_exact(size)
+                        .map(|row| <$type>::from_le_bytes(array(&row[offset..])) as f32),
+                ),
+            }
+        };
+    }
+    for_type!(item, each);
+}
+
 /// Every type fits into an `f64` without loss.
 fn decode(item: Type, encoding: Encoding, bytes: &[u8]) -> f64 {
     macro_rules! decode {
@@ -226,16 +299,7 @@ fn decode(item: Type, encoding: Encoding, bytes: &[u8]) -> f64 {
             })
         };
     }
-    match item {
-        Type::I8 => decode!(i8),
-        Type::U8 => decode!(u8),
-        Type::I16 => decode!(i16),
-        Type::U16 => decode!(u16),
-        Type::I32 => decode!(i32),
-        Type::U32 => decode!(u32),
-        Type::F32 => decode!(f32),
-        Type::F64 => decode!(f64),
-    }
+    for_type!(item, decode)
 }
 
 /// The first bytes; zeros where the slice is shorter, which callers rule out.

@@ -1,9 +1,18 @@
 //! The vertices of a PLY file.
 
-use super::{header::Type, rows::Rows};
-use crate::{LoadError, load::mesh::Mesh, texture::linear_from_srgb};
+use super::{
+    header::{Encoding, Type},
+    rows::{ROWS, Rows, decode_column},
+};
+use crate::{
+    LoadError,
+    load::mesh::Mesh,
+    texture::{LINEAR_FROM_SRGB, linear_from_srgb},
+};
+use bytemuck::zeroed_vec;
 use glam::{Vec2, Vec3, Vec4};
-use std::io::BufRead;
+use rayon::prelude::*;
+use std::{io::BufRead, slice::ChunksMut};
 
 /// Where the numbers of a vertex go, by all names in use.
 const COLUMNS: [&[&str]; 13] = [
@@ -32,53 +41,193 @@ const RADIUS: usize = 12;
 ///
 /// Colours in integers are sRGB, as in images, of which the largest integer stands for 1; colours
 /// in floating point are linear.
-pub(super) fn read<R: BufRead>(rows: &mut Rows<'_, R>, mesh: &mut Mesh) -> Result<(), LoadError> {
-    let mut types = [None; COLUMNS.len()];
-    let mut columns = Vec::new();
-    for property in &rows.element.properties {
-        let named = COLUMNS.iter().position(|names| names.contains(&property.name.as_str()));
-        // The first of two properties with one meaning counts.
-        let column = named.filter(|&i| property.count.is_none() && types[i].is_none());
-        if let Some(i) = column {
-            types[i] = Some(property.item);
-        }
-        columns.push(column);
-    }
-    let has = |first: usize, count: usize| types[first..first + count].iter().all(Option::is_some);
-    let (normals, texcoords) = (has(NORMAL, 3), has(TEXCOORD, 2));
-    let (colors, alpha, radii) = (has(COLOR, 3), has(ALPHA, 1), has(RADIUS, 1));
-    if !has(POSITION, 3) {
+///
+/// Rows of the same size are read one block after the other and decoded on all threads, straight into
+/// the arrays.
+pub(super) fn read<R: BufRead + Send>(
+    rows: &mut Rows<'_, R>,
+    mesh: &mut Mesh,
+) -> Result<(), LoadError> {
+    let layout = Layout::new(rows);
+    if !layout.has(POSITION, 3) {
         return Err(LoadError::PlyHeader {
             path: rows.input.path.clone(),
             line: 1,
             problem: "the vertices have no properties x, y and z".to_owned(),
         });
     }
-    // The file was found long enough for this many.
-    let count = rows.element.count as usize;
-    mesh.positions.reserve_exact(count);
-    if radii {
-        mesh.radii.reserve_exact(count);
+    layout.make_room(mesh, rows.element.count as usize);
+    let chunks = Chunks::new(mesh);
+    if let Some(size) = rows.row_size() {
+        return rows.blocks().zip(chunks).par_bridge().try_for_each_init(
+            Columns::default,
+            |columns, (block, chunk)| {
+                layout.decode(&block?, size, columns);
+                chunk.fill(columns);
+                Ok(())
+            },
+        );
     }
-    let channel = |row: &[f32; COLUMNS.len()], i: usize| match types[i] {
-        Some(Type::F32 | Type::F64) | None => row[i],
-        Some(integer) if i == ALPHA => row[i] / integer.one(),
-        Some(integer) => linear_from_srgb(row[i] / integer.one()),
+    let mut chunks = chunks;
+    let mut columns = Columns::default();
+    let mut store = |columns: &mut Columns| {
+        layout.make_linear(columns);
+        if let Some(chunk) = chunks.next() {
+            chunk.fill(columns);
+        }
+        columns.iter_mut().for_each(Vec::clear);
     };
-    rows.for_each_row(&columns, |row| {
-        mesh.positions.push(Vec3::from_slice(&row[POSITION..]));
-        if normals {
-            mesh.normals.push(Vec3::from_slice(&row[NORMAL..]));
+    rows.for_each_row::<{ COLUMNS.len() }>(&layout.columns, |row| {
+        for ((column, &value), item) in columns.iter_mut().zip(row).zip(layout.types) {
+            column.extend(item.map(|_| value));
         }
-        if texcoords {
-            mesh.texcoords.push(Vec2::new(row[TEXCOORD], 1.0 - row[TEXCOORD + 1]));
+        if columns[POSITION].len() == ROWS {
+            store(&mut columns);
         }
-        if colors {
-            let [r, g, b] = [0, 1, 2].map(|i| channel(row, COLOR + i));
-            mesh.colors.push(Vec4::new(r, g, b, if alpha { channel(row, ALPHA) } else { 1.0 }));
+    })?;
+    store(&mut columns);
+    Ok(())
+}
+
+/// Some rows, column by column as in [`COLUMNS`]; columns that the file does not have stay empty.
+type Columns = [Vec<f32>; COLUMNS.len()];
+
+/// Which columns the file has.
+struct Layout {
+    encoding: Encoding,
+    /// Of each property its type, and where it goes.
+    items: Vec<Type>,
+    columns: Vec<Option<usize>>,
+    /// Of each column.
+    types: [Option<Type>; COLUMNS.len()],
+}
+
+impl Layout {
+    fn new<R>(rows: &Rows<'_, R>) -> Self {
+        let mut types = [None; COLUMNS.len()];
+        let mut columns = Vec::new();
+        for property in &rows.element.properties {
+            let named = COLUMNS.iter().position(|names| names.contains(&property.name.as_str()));
+            // The first of two properties with one meaning counts.
+            let column = named.filter(|&i| property.count.is_none() && types[i].is_none());
+            if let Some(i) = column {
+                types[i] = Some(property.item);
+            }
+            columns.push(column);
         }
-        if radii {
-            mesh.radii.push(row[RADIUS]);
+        let items = rows.element.properties.iter().map(|property| property.item).collect();
+        Self { encoding: rows.encoding, items, columns, types }
+    }
+
+    fn has(&self, first: usize, count: usize) -> bool {
+        self.types[first..first + count].iter().all(Option::is_some)
+    }
+
+    /// Zeros that no one has written: the system hands them out when they are first touched, to the
+    /// thread that decodes there. The file was found long enough for this many.
+    fn make_room(&self, mesh: &mut Mesh, count: usize) {
+        let room = |first, columns| if self.has(first, columns) { count } else { 0 };
+        mesh.positions = zeroed_vec(count);
+        mesh.normals = zeroed_vec(room(NORMAL, 3));
+        mesh.texcoords = zeroed_vec(room(TEXCOORD, 2));
+        mesh.colors = zeroed_vec(room(COLOR, 3));
+        mesh.radii = zeroed_vec(room(RADIUS, 1));
+    }
+
+    /// The rows of a block, of `size` bytes each.
+    fn decode(&self, block: &[u8], size: usize, columns: &mut Columns) {
+        let mut offset = 0;
+        for (&item, &column) in self.items.iter().zip(&self.columns) {
+            if let Some(column) = column {
+                columns[column].clear();
+                decode_column(self.encoding, block, (size, offset, item), &mut columns[column]);
+            }
+            offset += item.size();
         }
-    })
+        self.make_linear(columns);
+    }
+
+    /// Scales integers of colours to 1, and undoes sRGB.
+    fn make_linear(&self, columns: &mut Columns) {
+        for (i, column) in columns.iter_mut().enumerate().take(ALPHA + 1).skip(COLOR) {
+            let Some(integer) = self.types[i].filter(|item| item.is_integer()) else { continue };
+            match integer {
+                _ if i == ALPHA => column.iter_mut().for_each(|value| *value /= integer.one()),
+                Type::U8 => {
+                    let linear = &*LINEAR_FROM_SRGB;
+                    column.iter_mut().for_each(|value| *value = linear[*value as usize % 256]);
+                }
+                _ => column
+                    .iter_mut()
+                    .for_each(|value| *value = linear_from_srgb(*value / integer.one())),
+            }
+        }
+    }
+}
+
+/// The arrays of a mesh, [`ROWS`] vertices at a time.
+struct Chunks<'a> {
+    positions: ChunksMut<'a, Vec3>,
+    normals: ChunksMut<'a, Vec3>,
+    texcoords: ChunksMut<'a, Vec2>,
+    colors: ChunksMut<'a, Vec4>,
+    radii: ChunksMut<'a, f32>,
+}
+
+impl<'a> Chunks<'a> {
+    fn new(mesh: &'a mut Mesh) -> Self {
+        Self {
+            positions: mesh.positions.chunks_mut(ROWS),
+            normals: mesh.normals.chunks_mut(ROWS),
+            texcoords: mesh.texcoords.chunks_mut(ROWS),
+            colors: mesh.colors.chunks_mut(ROWS),
+            radii: mesh.radii.chunks_mut(ROWS),
+        }
+    }
+}
+
+/// Some vertices of the arrays; what the file does not have is empty.
+struct Chunk<'a> {
+    positions: &'a mut [Vec3],
+    normals: &'a mut [Vec3],
+    texcoords: &'a mut [Vec2],
+    colors: &'a mut [Vec4],
+    radii: &'a mut [f32],
+}
+
+impl<'a> Iterator for Chunks<'a> {
+    type Item = Chunk<'a>;
+
+    fn next(&mut self) -> Option<Chunk<'a>> {
+        Some(Chunk {
+            positions: self.positions.next()?,
+            normals: self.normals.next().unwrap_or_default(),
+            texcoords: self.texcoords.next().unwrap_or_default(),
+            colors: self.colors.next().unwrap_or_default(),
+            radii: self.radii.next().unwrap_or_default(),
+        })
+    }
+}
+
+impl Chunk<'_> {
+    fn fill(self, columns: &Columns) {
+        let [x, y, z, nx, ny, nz, u, v, red, green, blue, alpha, radius] = columns;
+        let vectors = |to: &mut [Vec3], [x, y, z]: [&[f32]; 3]| {
+            for (((to, &x), &y), &z) in to.iter_mut().zip(x).zip(y).zip(z) {
+                *to = Vec3::new(x, y, z);
+            }
+        };
+        vectors(self.positions, [x, y, z]);
+        vectors(self.normals, [nx, ny, nz]);
+        for ((to, &u), &v) in self.texcoords.iter_mut().zip(u).zip(v) {
+            *to = Vec2::new(u, 1.0 - v);
+        }
+        for (i, to) in self.colors.iter_mut().enumerate() {
+            let alpha = alpha.get(i).copied().unwrap_or(1.0);
+            *to = Vec4::new(red[i], green[i], blue[i], alpha);
+        }
+        for (to, &radius) in self.radii.iter_mut().zip(radius) {
+            *to = radius;
+        }
+    }
 }
