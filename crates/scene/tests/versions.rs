@@ -155,6 +155,34 @@ fn an_unknown_version_is_told_and_read_as_the_last() {
 }
 
 #[test]
+fn a_material_without_a_type_is_what_it_reflects_and_lets_through() {
+    use MaterialKind::{Glossy, Matte, Reflective, Refractive, Transparent};
+    let table = [
+        // before there were versions                                       the kind
+        (r#"{ "color": [1, 1, 1], "roughness": 0.1 }"#, Matte),
+        (r#"{ "specular": 1, "roughness": 0.25 }"#, Glossy),
+        (r#"{ "coat": 1 }"#, Glossy),
+        (r#"{ "metallic": 1, "specular": 1 }"#, Reflective),
+        (r#"{ "transmission": 1, "specular": 1 }"#, Transparent),
+        (r#"{ "transmission": 1, "specular": 1, "thin": false }"#, Refractive),
+        (r#"{ "translucency": 1, "thin": false, "scattering": [0.4, 0.2, 0.1] }"#, Refractive),
+        (r#"{ "type": "plastic", "transmission": 1 }"#, Glossy),
+        (r#"{ "type": "metal" }"#, Reflective),
+    ];
+    for (material, kind) in table {
+        let folder = folder(&format!(r#"{{ "materials": {{ "m": {material} }} }}"#));
+        assert_eq!(loaded(folder.path()).scene.materials[0].kind, kind, "{material}");
+        let asset = r#""asset": { "version": "4.2" }"#;
+        let versioned = material.replace("\"type\": \"plastic\", ", "");
+        let text = format!(r#"{{ {asset}, "materials": [{versioned}] }}"#);
+        fs::write(folder.path().join("scene.json"), text).expect("writes the scene");
+        let kind = loaded(folder.path()).scene.materials[0].kind;
+        let metal = material.contains("metal\"");
+        assert_eq!(kind, if metal { Reflective } else { Matte }, "of version 4.2: {material}");
+    }
+}
+
+#[test]
 fn an_object_of_version_40_stands_wherever_a_file_of_frames_says() {
     let scene = r#"{ "materials": { "m": {} }, "objects": { "tree": { "instance": "many",
         "shape": "floor", "material": "m", "frame": [1,0,0, 0,1,0, 0,0,1, 1,2,3] } } }"#;

@@ -102,6 +102,7 @@ pub(super) struct TextureFile {
 pub(super) enum MaterialType {
     #[default]
     Matte,
+    #[serde(alias = "plastic")]
     Glossy,
     #[serde(alias = "metallic", alias = "metal")]
     Reflective,
@@ -118,7 +119,13 @@ pub(super) enum MaterialType {
 pub(super) struct MaterialFile {
     pub name: String,
     #[serde(rename = "type")]
-    pub kind: MaterialType,
+    pub kind: Option<MaterialType>,
+    /// This and the next four say the type in files from before materials had one.
+    pub specular: f32,
+    pub coat: f32,
+    pub transmission: f32,
+    pub translucency: f32,
+    pub thin: bool,
     pub emission: [f32; 3],
     pub color: [f32; 3],
     pub roughness: f32,
@@ -139,7 +146,12 @@ impl Default for MaterialFile {
     fn default() -> Self {
         Self {
             name: String::new(),
-            kind: MaterialType::Matte,
+            kind: None,
+            specular: 0.0,
+            coat: 0.0,
+            transmission: 0.0,
+            translucency: 0.0,
+            thin: true,
             emission: [0.0; 3],
             color: [0.0; 3],
             roughness: 0.0,
@@ -268,7 +280,8 @@ impl LookAt {
         eye.distance(center)
     }
 
-    /// The frame at the eye whose -z axis points to the centre.
+    /// The frame at the eye whose -z axis points to the centre, of cameras and all else: the early loader
+    /// turned z of the rest around, but the files that yocto-gl itself brought to version 4.2 do not.
     pub(super) fn frame(self) -> Affine3A {
         let [eye, center, up] = self.vectors();
         let z = (eye - center).normalize();

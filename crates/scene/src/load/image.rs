@@ -81,40 +81,76 @@ fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Texture, Strin
     Ok(Texture { name: String::new(), width, height, pixels })
 }
 
+/// Colour, or a lone channel, and `Y` among others, as grey.
 fn decode_exr(bytes: &[u8]) -> Result<Texture, String> {
-    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
     // The dimensions first: the library allocates what a header claims.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
         .map_err(|error| error.to_string())?;
+    let mut names = Vec::new();
     for header in &meta.headers {
         let bits = 8 * header.channels.bytes_per_pixel as u64;
         check_size(header.layer_size.0 as u64, header.layer_size.1 as u64, bits, bytes)?;
+        names.extend(header.channels.list.iter().map(|channel| channel.name.to_string()));
     }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgba_channels(
-            |size, _| (size.0, vec![[0.0_f32; 4]; size.0 * size.1]),
-            |(width, pixels): &mut (usize, Vec<[f32; 4]>),
-             position,
-             (r, g, b, a): (f32, f32, f32, f32)| {
-                pixels[position.1 * *width + position.0] = [r, g, b, a];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|error| error.to_string())?;
-    let size = image.layer_data.size;
-    let (_, pixels) = image.layer_data.channel_data.pixels;
+    let grey = match &names[..] {
+        [name] if name != "A" => Some(name.as_str()),
+        _ if names.iter().any(|name| name == "R") => None,
+        _ => names.iter().any(|name| name == "Y").then_some("Y"),
+    };
+    let levels = read().no_deep_data().largest_resolution_level();
+    let pixels = match grey {
+        Some(name) => levels
+            .specific_channels()
+            .required(name)
+            .optional("A", 1.0)
+            .collect_pixels(
+                |size, _| Canvas::new(size.0, size.1),
+                |canvas: &mut Canvas, at, (y, a): (f32, f32)| canvas.set(at.0, at.1, [y, y, y, a]),
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+            .map(|image| image.layer_data.channel_data.pixels),
+        None => levels
+            .rgba_channels(
+                |size, _| Canvas::new(size.0, size.1),
+                |canvas: &mut Canvas, at, (r, g, b, a): (f32, f32, f32, f32)| {
+                    canvas.set(at.0, at.1, [r, g, b, a]);
+                },
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+            .map(|image| image.layer_data.channel_data.pixels),
+    };
+    let Canvas { width, height, pixels } = pixels.map_err(|error| error.to_string())?;
     Ok(Texture {
         name: String::new(),
-        width: u32::try_from(size.0).map_err(|error| error.to_string())?,
-        height: u32::try_from(size.1).map_err(|error| error.to_string())?,
+        width: u32::try_from(width).map_err(|error| error.to_string())?,
+        height: u32::try_from(height).map_err(|error| error.to_string())?,
         pixels: Pixels::Floats(pixels),
     })
+}
+
+/// The pixels of an image while they come in.
+struct Canvas {
+    width: usize,
+    height: usize,
+    pixels: Vec<[f32; 4]>,
+}
+
+impl Canvas {
+    fn new(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![[0.0; 4]; width * height] }
+    }
+
+    fn set(&mut self, x: usize, y: usize, pixel: [f32; 4]) {
+        self.pixels[y * self.width + x] = pixel;
+    }
 }
 
 /// Refuses sizes that no file of this length holds, before anything is allocated for them.

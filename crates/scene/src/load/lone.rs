@@ -105,7 +105,9 @@ pub(super) fn camera_for(scene: &Scene) -> Option<Camera> {
         thickest = thickest.max(stretch * thickest_of(shape));
     }
     let fits = bounds.min.abs().max(bounds.max.abs()).max_element() <= LARGEST;
-    fits.then(|| camera_around(bounds, extent(bounds, thickest.min(LARGEST))))
+    let diagonal = (bounds.max - bounds.min).length();
+    let reach = 0.5 * diagonal + thickest.min(LARGEST);
+    fits.then(|| camera_around(bounds, extent(bounds.center(), reach)))
 }
 
 /// Of the vertices.
@@ -119,11 +121,10 @@ fn thickest_of(shape: &Shape) -> f32 {
     shape.radii.par_iter().copied().reduce(|| 0.0, f32::max).min(LARGEST)
 }
 
-/// The radius of a ball about the middle of `bounds` that holds them. A lone point has an extent as well;
-/// and no scene is so small that f32 gives out.
-fn extent(bounds: Aabb, thickest: f32) -> f32 {
-    let extent = (0.5 * (bounds.max - bounds.min)).length() + thickest;
-    extent.max(bounds.center().abs().max_element() * 1e-3).max(1e-6)
+/// The radius of a ball about `center` to be framed, for contents that reach so far from there. A lone point
+/// has an extent as well; and no scene is so small that f32 gives out.
+fn extent(center: Vec3, reach: f32) -> f32 {
+    reach.max(center.abs().max_element() * 1e-3).max(1e-6)
 }
 
 fn camera_around(bounds: Aabb, extent: f32) -> Camera {
@@ -147,7 +148,8 @@ fn camera_around(bounds: Aabb, extent: f32) -> Camera {
 fn around(shape: Shape, bounds: Aabb) -> Scene {
     let thickest = thickest_of(&shape);
     let center = bounds.center();
-    let extent = extent(bounds, thickest);
+    let squares = shape.positions.par_iter().map(|p| p.distance_squared(center));
+    let extent = extent(bounds.center(), squares.reduce(|| 0.0, f32::max).sqrt() + thickest);
     let floor_height = bounds.min.y - thickest;
     let camera = camera_around(bounds, extent);
     let built = "constant parameters that fit";

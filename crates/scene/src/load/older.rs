@@ -6,11 +6,12 @@
 //! | 4.1 | objects, keyed by name | a `datafile`, or only its name, in a folder of its kind | by name |
 //! | 4.2, 4.3, 5.0 | arrays | a `uri` from the folder of the scene | by index |
 //!
-//! Forms may be mixed, as in real files.
+//! Forms may be mixed, as in real files. The first files of version 4.0 have materials without a type: how
+//! much they reflect and let through says what they are.
 
 use super::{
     collection::{Collection, Reference},
-    format::{SceneFile, ShapeFile, TextureFile},
+    format::{MaterialFile, MaterialType, SceneFile, ShapeFile, TextureFile},
 };
 use std::{collections::HashSet, path::Path};
 
@@ -34,6 +35,26 @@ pub(super) fn spell_out(path: &Path, file: &mut SceneFile) {
         }
     }
     list_what_is_only_named(folder, file);
+    if file.asset.version.is_null() {
+        for (_, material) in file.materials.items.iter_mut().filter(|(_, m)| m.kind.is_none()) {
+            material.kind = Some(kind_without_type(material));
+        }
+    }
+}
+
+fn kind_without_type(material: &MaterialFile) -> MaterialType {
+    let passes = material.transmission > 0.0 || material.translucency > 0.0;
+    if passes && material.thin {
+        MaterialType::Transparent
+    } else if passes {
+        MaterialType::Refractive
+    } else if material.metallic > 0.0 {
+        MaterialType::Reflective
+    } else if material.specular > 0.0 || material.coat > 0.0 {
+        MaterialType::Glossy
+    } else {
+        MaterialType::Matte
+    }
 }
 
 /// A `uri` for a `datafile`, unless there is one.

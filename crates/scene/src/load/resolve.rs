@@ -93,7 +93,7 @@ fn kind(
     if material.scattering_tex.is_some() {
         warn("has a scattering_tex, which is not supported: it scatters the same everywhere");
     }
-    match material.kind {
+    match material.kind.unwrap_or_default() {
         MaterialType::Matte => MaterialKind::Matte,
         MaterialType::Glossy => MaterialKind::Glossy,
         MaterialType::Reflective => MaterialKind::Reflective,

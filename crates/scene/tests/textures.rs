@@ -1,0 +1,144 @@
+//! Images in every form that people have.
+
+use exr::prelude::{AnyChannel, AnyChannels, Image, Layer, WritableImage as _};
+use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, Rgba};
+use rotund_geometry::glam::{Vec4, vec4};
+use rotund_scene::{LoadOptions, Texture, load};
+use std::{fs, path::Path};
+
+/// The texture that the file `name`, as `write` makes it, is.
+fn texture(name: &str, write: impl FnOnce(&Path)) -> Result<Texture, String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder.path().join(name));
+    let scene = folder.path().join("scene.json");
+    fs::write(&scene, format!(r#"{{ "textures": [{{ "uri": "{name}" }}] }}"#)).expect("writes");
+    let loaded = load(&scene, &LoadOptions::default()).map_err(|error| error.to_string())?;
+    Ok(loaded.scene.textures.into_iter().next().expect("a texture"))
+}
+
+fn assert_is(why: &str, texture: &Texture, expected: Vec4, error: f32) {
+    assert_eq!((texture.width, texture.height), (2, 1), "{why}");
+    for x in 0..2 {
+        let color = texture.color_at(x, 0);
+        assert!(color.distance(expected) <= error, "{why}: {color} is not {expected}");
+    }
+}
+
+/// 128 of 255 in sRGB.
+const HALF: f32 = 0.215_860_5;
+
+#[test]
+fn png_of_any_depth_and_channels_is_srgb() {
+    let table: Vec<(&str, DynamicImage, Vec4)> = vec![
+        ("grey", ImageBuffer::from_pixel(2, 1, Luma([128_u8])).into(), vec4(HALF, HALF, HALF, 1.0)),
+        (
+            "grey with alpha",
+            ImageBuffer::from_pixel(2, 1, LumaA([128_u8, 51])).into(),
+            vec4(HALF, HALF, HALF, 0.2),
+        ),
+        (
+            "colour",
+            ImageBuffer::from_pixel(2, 1, Rgb([255_u8, 128, 0])).into(),
+            vec4(1.0, HALF, 0.0, 1.0),
+        ),
+        (
+            "colour with alpha",
+            ImageBuffer::from_pixel(2, 1, Rgba([255_u8, 128, 0, 51])).into(),
+            vec4(1.0, HALF, 0.0, 0.2),
+        ),
+        (
+            "grey of 16 bits",
+            ImageBuffer::from_pixel(2, 1, Luma([128 * 257_u16])).into(),
+            vec4(HALF, HALF, HALF, 1.0),
+        ),
+        (
+            "colour with alpha of 16 bits",
+            ImageBuffer::from_pixel(2, 1, Rgba([u16::MAX, 128 * 257, 0, 51 * 257])).into(),
+            vec4(1.0, HALF, 0.0, 0.2),
+        ),
+    ];
+    for (why, image, expected) in table {
+        let texture = texture("image.png", |path| image.save(path).expect("writes the image"));
+        assert_is(why, &texture.expect(why), expected, 1e-6);
+    }
+}
+
+#[test]
+fn jpeg_is_colour_or_grey() {
+    let grey: DynamicImage = ImageBuffer::from_pixel(2, 1, Luma([128_u8])).into();
+    let color: DynamicImage = ImageBuffer::from_pixel(2, 1, Rgb([128_u8, 128, 128])).into();
+    for (why, image) in [("grey", grey), ("colour", color)] {
+        for name in ["image.jpg", "image.jpeg", "image.JPG"] {
+            let texture = texture(name, |path| image.save(path).expect("writes the image"));
+            assert_is(why, &texture.expect(why), vec4(HALF, HALF, HALF, 1.0), 0.01);
+        }
+    }
+}
+
+#[test]
+fn exr_is_colour_or_grey() {
+    type Channels<'a> = &'a [(&'a str, f32)];
+    let write = |channels: Channels<'_>| {
+        let list = channels.iter().map(|&(name, value)| {
+            AnyChannel::new(name, exr::prelude::FlatSamples::F32(vec![value; 2]))
+        });
+        let channels = AnyChannels::sort(list.collect());
+        texture("image.exr", |path| {
+            let layer = Layer::new(
+                (2, 1),
+                exr::prelude::LayerAttributes::named("it"),
+                exr::prelude::Encoding::SMALL_LOSSLESS,
+                channels,
+            );
+            Image::from_layer(layer).write().to_file(path).expect("writes the image");
+        })
+    };
+    let table: &[(&str, Channels<'_>, Vec4)] = &[
+        ("colour", &[("R", 3.0), ("G", 2.0), ("B", 0.5)], vec4(3.0, 2.0, 0.5, 1.0)),
+        (
+            "with alpha",
+            &[("R", 3.0), ("G", 2.0), ("B", 0.5), ("A", 0.25)],
+            vec4(3.0, 2.0, 0.5, 0.25),
+        ),
+        ("luminance", &[("Y", 3.0)], vec4(3.0, 3.0, 3.0, 1.0)),
+        ("luminance with alpha", &[("Y", 3.0), ("A", 0.25)], vec4(3.0, 3.0, 3.0, 0.25)),
+        ("a lone channel of any name", &[("height", 0.5)], vec4(0.5, 0.5, 0.5, 1.0)),
+        ("luminance among others", &[("Y", 3.0), ("Z", 9.0)], vec4(3.0, 3.0, 3.0, 1.0)),
+    ];
+    for (why, channels, expected) in table {
+        assert_is(why, &write(channels).expect(why), *expected, 0.0);
+    }
+    for channels in [&[("A", 1.0)][..], &[("U", 1.0), ("V", 1.0)], &[("R", 1.0), ("G", 1.0)]] {
+        let message = write(channels).expect_err("no colour");
+        assert!(message.contains("image.exr"), "{channels:?}: {message}");
+    }
+}
+
+#[test]
+fn hdr_is_read_flat_and_in_runs() {
+    let header = |width: u32| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X {width}\n");
+    let pixel = [128_u8, 64, 32, 129];
+    let flat = [header(2).as_bytes(), &pixel, &pixel].concat();
+    let mut runs = header(8).into_bytes();
+    runs.extend([2, 2, 0, 8]);
+    for value in pixel {
+        runs.extend([128 + 8, value]);
+    }
+    // The oldest form: a pixel of ones with a count repeats the last one.
+    let old = [header(2).as_bytes(), &pixel, &[1, 1, 1, 1]].concat();
+    for (why, bytes) in [("flat", flat), ("in runs", runs), ("in runs of old", old)] {
+        let texture = texture("image.hdr", |path| fs::write(path, &bytes).expect("writes"));
+        let texture = texture.unwrap_or_else(|error| panic!("{why}: {error}"));
+        for x in 0..texture.width {
+            assert_eq!(texture.color_at(x, 0), vec4(1.0, 0.5, 0.25, 1.0), "{why}");
+        }
+    }
+}
+
+#[test]
+fn what_a_header_claims_is_not_believed() {
+    let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 40000 +X 40000\n";
+    let message = texture("image.hdr", |path| fs::write(path, header).expect("writes"));
+    let message = message.expect_err("refused");
+    assert!(message.contains("40000 x 40000") && message.contains("image.hdr"), "{message}");
+}
