@@ -9,11 +9,14 @@
 //! is the same for any number of threads.
 
 use crate::huge;
+use crate::isa::Isa;
 use crate::node::{Child, Node, Tree, WIDTH};
-use crate::sah::{Costs, Extent, Record, find_split, partition};
+use crate::record::{Extent, Record};
+use crate::sah::{Costs, Split, find_split, partition};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Levels of wide nodes that follow the heuristic. Below, ranges are cut in halves, so that a tree
 /// over adversarial boxes stays flat enough for [`MAX_DEPTH`].
@@ -50,25 +53,36 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
         count <= MAX_PRIMITIVES,
         "a tree holds at most {MAX_PRIMITIVES} boxes, not {count}: split the scene in several trees"
     );
-    let mut records: Vec<Record> = Vec::with_capacity(count);
-    let record = |i| Record::new(i, bounds(i));
+    let any_empty = AtomicBool::new(false);
+    let mut records: Vec<Record> = huge::vec_with_capacity(count);
+    let record = |id: u32| {
+        let record = Record::new(id, bounds(id));
+        if record.is_empty() {
+            any_empty.store(true, Ordering::Relaxed);
+        }
+        record
+    };
     if count <= TASK {
-        records.extend((0..count as u32).filter_map(record));
+        records.extend((0..count as u32).map(record));
     } else {
-        records.par_extend((0..count as u32).into_par_iter().filter_map(record));
+        (0..count as u32).into_par_iter().map(record).collect_into_vec(&mut records);
     }
-    let extent = Extent::of_many(&records);
+    if any_empty.into_inner() {
+        records.retain(|record| !record.is_empty());
+    }
     if records.is_empty() {
         let tree = Tree { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
         return Built { tree, records, leaves: Vec::new() };
     }
 
-    let plan = plan(&mut records, 0, extent, 0, costs);
+    let method = Method { costs: *costs, isa: Isa::default_set() };
+    let extent = Extent::of(&records, method.isa);
+    let plan = plan(&mut records, 0, extent, 0, &method);
     let mut tasks = Vec::new();
     let plan = plan.collect(&mut tasks);
     let run = |task: Task| {
         let mut output = Output::default();
-        output.root = output.subtree(task.records, task.start, &task.extent, task.depth, costs);
+        output.root = output.subtree(task.records, task.start, &task.extent, task.depth, &method);
         output
     };
     let outputs: Vec<Output> = if tasks.len() == 1 {
@@ -98,18 +112,25 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
     Built { tree, records, leaves: joined.leaves }
 }
 
+/// How the tree is built.
+struct Method {
+    costs: Costs,
+    /// What the tree is does not depend on it, only how soon it is there.
+    isa: Isa,
+}
+
 /// The ranges that become the children of one node, largest surface cut first.
 fn cut<'a>(
     records: &'a mut [Record],
     start: usize,
     extent: Extent,
     depth: usize,
-    costs: &Costs,
+    method: &Method,
 ) -> Vec<Part<'a>> {
     let mut parts: Vec<Part> = Vec::with_capacity(WIDTH);
     parts.push(Part { records, start, extent });
     while parts.len() < WIDTH {
-        let splittable = |part: &Part| part.records.len() > costs.leaf_size as usize;
+        let splittable = |part: &Part| part.records.len() > method.costs.leaf_size as usize;
         let key = |part: &Part| {
             // Past the depth where the heuristic rules, the longest range is halved instead.
             if depth < SAH_DEPTH { part.extent.half_area() } else { part.records.len() as f32 }
@@ -122,11 +143,11 @@ fn cut<'a>(
         };
         let Part { records, start, extent } = parts.swap_remove(widest);
         let split = if depth < SAH_DEPTH {
-            find_split(records, &extent, costs)
+            find_split(records, &extent, &method.costs, method.isa)
         } else {
-            crate::sah::Split::Middle
+            Split::Middle
         };
-        let (count, left, right) = partition(records, split);
+        let (count, left, right) = partition(records, split, method.isa);
         let (low, high) = records.split_at_mut(count);
         parts.push(Part { records: low, start, extent: left });
         parts.push(Part { records: high, start: start + count, extent: right });
@@ -162,17 +183,17 @@ fn plan<'a>(
     start: usize,
     extent: Extent,
     depth: usize,
-    costs: &Costs,
+    method: &Method,
 ) -> Plan<Task<'a>> {
     if records.len() <= TASK {
         return Plan::Task(Task { records, start, extent, depth });
     }
-    let parts = cut(records, start, extent, depth, costs);
+    let parts = cut(records, start, extent, depth, method);
     let children = parts
         .into_par_iter()
         .map(|part| {
             let bounds = part.extent.bounds();
-            (bounds, plan(part.records, part.start, part.extent, depth + 1, costs))
+            (bounds, plan(part.records, part.start, part.extent, depth + 1, method))
         })
         .collect();
     Plan::Node(children)
@@ -240,17 +261,17 @@ impl Output {
         start: usize,
         extent: &Extent,
         depth: usize,
-        costs: &Costs,
+        method: &Method,
     ) -> Child {
-        if records.len() <= costs.leaf_size as usize {
+        if records.len() <= method.costs.leaf_size as usize {
             let leaf = self.leaves.len() as u32;
             self.leaves.push(start as u32..(start + records.len()) as u32);
             return Child::leaf(leaf);
         }
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
-        for (slot, part) in cut(records, start, *extent, depth, costs).into_iter().enumerate() {
-            let child = self.subtree(part.records, part.start, &part.extent, depth + 1, costs);
+        for (slot, part) in cut(records, start, *extent, depth, method).into_iter().enumerate() {
+            let child = self.subtree(part.records, part.start, &part.extent, depth + 1, method);
             self.nodes[index].set(slot, part.extent.bounds(), child);
         }
         Child::node(index as u32)

@@ -16,6 +16,7 @@ mod huge;
 mod isa;
 mod node;
 mod packed;
+mod record;
 mod sah;
 mod simd;
 mod slab;

@@ -1,13 +1,14 @@
 //! One primitive, one ray: what do the exact shapes cost beside their approximations?
 //!
-//! Hits and misses are timed apart, over 1024 rays that the branch predictor comes to know.
+//! Hits and misses are timed apart, over 1024 rays that the branch predictor comes to know. So are rays that
+//! leave the exact shapes from a point they were hit at, outwards and, where there is an inside, inwards.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rotund_geometry::glam::Vec3;
 use rotund_geometry::vanilla::{Line, Point, Quad};
-use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere};
+use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, leave_surface};
 
 const RAYS: usize = 1024;
 
@@ -68,6 +69,47 @@ fn time<S: Copy>(
     }
 }
 
+/// Rays from the points where others hit, to the side that they came from, or through the surface.
+fn leaving(
+    through: bool,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+    any: impl Fn(&Ray) -> bool,
+) -> Vec<Ray> {
+    let mut random = Random(0xD1B5_4A32_D192_ED03);
+    let spawn = |ray: &Ray| {
+        let hit = closest(ray).expect("the rays were chosen because they hit");
+        let side = if (hit.normal.dot(ray.direction) < 0.0) != through { 1.0 } else { -1.0 };
+        let direction = random.point().normalize_or(Vec3::X) + 1.001 * side * hit.normal;
+        Ray::new(leave_surface(hit.position, hit.error, hit.normal, direction), direction)
+    };
+    rays(true, any).iter().map(spawn).collect()
+}
+
+fn time_leaving<S: Copy>(
+    group: &mut BenchmarkGroup<'_, criterion::measurement::WallTime>,
+    shape: S,
+    closest: impl Fn(&S, &Ray) -> Option<Hit>,
+    any: impl Fn(&S, &Ray) -> bool,
+    is_solid: bool,
+) {
+    for (through, kind) in [(false, "leaving"), (true, "entering")] {
+        let rays = leaving(through, |ray| closest(&shape, ray), |ray| any(&shape, ray));
+        let hits = rays.iter().filter(|ray| any(&shape, ray)).count();
+        let expected = if through && is_solid { RAYS } else { 0 };
+        // A patch may bend back into the way of a ray.
+        let bent = if is_solid { 0 } else { RAYS / 50 };
+        assert!(hits.abs_diff(expected) <= bent, "{hits} of {RAYS} rays meet the shape again");
+        group.throughput(Throughput::Elements(RAYS as u64));
+        group.bench_function(format!("enhanced/closest/{kind}"), |bencher| {
+            bencher.iter(|| {
+                for ray in &rays {
+                    black_box(closest(black_box(&shape), ray));
+                }
+            });
+        });
+    }
+}
+
 macro_rules! side_by_side {
     ($group:expr, $($name:literal => $type:ident $shape:expr),+) => {
         $(time(&mut $group, $name, $shape, $type::closest, $type::any);)+
@@ -77,23 +119,29 @@ macro_rules! side_by_side {
 fn intersect(criterion: &mut Criterion) {
     let (p0, p1) = (Vec3::new(-0.5, -0.4, -0.3), Vec3::new(0.5, 0.4, 0.3));
     let mut group = criterion.benchmark_group("points");
+    let sphere = Sphere { center: Vec3::ZERO, radius: 0.5 };
     side_by_side!(group,
         "vanilla" => Point Point { center: Vec3::ZERO, radius: 0.5 },
-        "enhanced" => Sphere Sphere { center: Vec3::ZERO, radius: 0.5 });
+        "enhanced" => Sphere sphere);
+    time_leaving(&mut group, sphere, Sphere::closest, Sphere::any, true);
     group.finish();
 
     let mut group = criterion.benchmark_group("lines");
+    let cone = RoundedCone { p0, r0: 0.3, p1, r1: 0.2 };
     side_by_side!(group,
         "vanilla" => Line Line { p0, r0: 0.3, p1, r1: 0.2 },
-        "enhanced" => RoundedCone RoundedCone { p0, r0: 0.3, p1, r1: 0.2 });
+        "enhanced" => RoundedCone cone);
+    time_leaving(&mut group, cone, RoundedCone::closest, RoundedCone::any, true);
     group.finish();
 
     let corners = [[-0.5, -0.5, -0.2], [0.5, -0.5, 0.2], [0.5, 0.5, -0.2], [-0.5, 0.5, 0.2]];
     let [p0, p1, p2, p3] = corners.map(Vec3::from);
     let mut group = criterion.benchmark_group("quads");
+    let patch = BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 };
     side_by_side!(group,
         "vanilla" => Quad Quad { p0, p1, p2, p3 },
-        "enhanced" => BilinearPatch BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 });
+        "enhanced" => BilinearPatch patch);
+    time_leaving(&mut group, patch, BilinearPatch::closest, BilinearPatch::any, false);
     group.finish();
 }
 

@@ -5,6 +5,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::beside::{self, Start};
 use crate::double_double::{Double, Real};
 use crate::float::{CANCELLATION, accept};
 use crate::sphere::FAR;
@@ -19,7 +20,7 @@ pub(crate) struct Crossing {
 
 /// The end of the part of a line that lies in the solid.
 #[derive(Clone, Copy, PartialEq)]
-enum End {
+pub(crate) enum End {
     Entry,
     Exit,
 }
@@ -33,17 +34,28 @@ enum Attempt {
 
 /// The first crossing with `t` in the interval, with `f64` if they can tell.
 pub(crate) fn solve(cone: &RoundedCone, ray: &Ray) -> Option<Crossing> {
-    match attempt::<f64>(cone, ray, CANCELLATION) {
+    let ends: &[End] = match beside::rounded_cone(cone, ray) {
+        Start::Leaving => return None,
+        Start::Inside => &[End::Exit],
+        Start::Unknown => &[End::Entry, End::Exit],
+    };
+    match attempt::<f64>(cone, ray, CANCELLATION, ends) {
         Attempt::Found(crossing) => crossing,
-        Attempt::TooFewDigits => match attempt::<Double>(cone, ray, 0.0) {
-            Attempt::Found(crossing) => crossing,
-            Attempt::TooFewDigits => None,
-        },
+        Attempt::TooFewDigits => solve_exactly(cone, ray, ends),
     }
 }
 
-/// A difference that keeps less than the share `allowed` of its terms is refused.
-fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
+/// The first crossing of some ends, with 106 bits.
+pub(crate) fn solve_exactly(cone: &RoundedCone, ray: &Ray, ends: &[End]) -> Option<Crossing> {
+    match attempt::<Double>(cone, ray, 0.0, ends) {
+        Attempt::Found(crossing) => crossing,
+        Attempt::TooFewDigits => None,
+    }
+}
+
+/// The first of `ends` that is in the interval. A difference that keeps less than the share `allowed` of its
+/// terms is refused.
+fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -> Attempt {
     let r = [R::exact(cone.r0), R::exact(cone.r1)];
     let rho = r[0] - r[1];
     let (p0, d, o) = (exact::<R>(cone.p0), exact::<R>(ray.direction), exact::<R>(ray.origin));
@@ -80,8 +92,8 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
     // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
     let q = if k1_positive { -k1 - spread } else { spread - k1 };
     let mut before = f64::NEG_INFINITY;
-    for end in [End::Entry, End::Exit] {
-        let entry = end == End::Entry;
+    for end in ends {
+        let entry = *end == End::Entry;
         // Inside the cone from or to infinity: steeper than the cone, or along a cylinder.
         let along = q == R::ZERO && k2 == R::ZERO;
         let endless = (k2 < R::ZERO && entry == (m * rho >= R::ZERO)) || along;
@@ -130,12 +142,13 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64) -> Attempt {
             }
             let root = chord.square_root();
             let g = dot(center, center) - radius * radius;
-            if g.nearest().abs() < allowed * (radius * radius).nearest() {
-                return Attempt::TooFewDigits;
-            }
             let ahead = along >= R::ZERO;
             let q = if ahead { -along - root } else { root - along };
-            (if entry == ahead { q / a } else { g / q }, R::exact(if i == 0 { 0.0 } else { 1.0 }))
+            let from_product = entry != ahead;
+            if from_product && g.nearest().abs() < allowed * (radius * radius).nearest() {
+                return Attempt::TooFewDigits;
+            }
+            (if from_product { g / q } else { q / a }, R::exact(if i == 0 { 0.0 } else { 1.0 }))
         } else {
             return Attempt::Found(None);
         };

@@ -82,6 +82,7 @@ extern crate std;
 
 mod aabb;
 mod basis;
+mod beside;
 mod bilinear_patch;
 mod careful_cone;
 mod careful_patch;
@@ -97,6 +98,8 @@ mod ray;
 mod ray_space;
 mod rounded_cone;
 mod sphere;
+#[cfg(test)]
+mod test_rays;
 mod triangle;
 pub mod vanilla;
 mod widen;

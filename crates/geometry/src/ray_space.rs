@@ -77,6 +77,12 @@ impl RaySpace {
         }
     }
 
+    /// The size of the direction along the dominant axis.
+    #[inline(always)]
+    pub(crate) fn length(&self) -> f64 {
+        self.dz.first().abs()
+    }
+
     /// `t` at a depth.
     #[inline(always)]
     pub(crate) fn t(&self, depth: f64) -> f64 {

@@ -19,6 +19,7 @@ use core::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::beside::{self, Start};
 use crate::double_double::{Double, Real};
 use crate::float::{CANCELLATION, accept, round, rounding_error};
 #[cfg(not(feature = "std"))]
@@ -112,10 +113,65 @@ impl Solve for Sphere {
         Common::Root(Root { t, from_center, normal: from_center * over_r })
     }
 
-    /// With 106 bits, for rays that graze or start next to the surface.
+    /// For rays that graze or start next to the surface.
     #[cold]
     #[inline(never)]
     fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
+        match beside::sphere(self, ray) {
+            Start::Leaving => return None,
+            Start::Inside => {
+                if let Some(exit) = self.solve_exit(ray) {
+                    return exit;
+                }
+            }
+            Start::Unknown => {}
+        }
+        self.solve_exactly(ray)
+    }
+
+    #[inline(always)]
+    fn t(root: &Root) -> f32 {
+        root.t
+    }
+
+    #[inline(always)]
+    fn hit(&self, _: &Ray, Root { t, from_center, normal }: Root) -> Hit {
+        let position = round(self.center.as_dvec3() + from_center);
+        Hit {
+            t,
+            position,
+            error: rounding_error(position),
+            normal: round(normal),
+            parameters: Vec2::ZERO,
+        }
+    }
+}
+
+impl Sphere {
+    /// Where a ray from inside, for which the nearer root is out of question, leaves; `None` if an `f64` has too
+    /// few digits for that.
+    fn solve_exit(&self, ray: &Ray) -> Option<Option<Root>> {
+        let (c, r) = widen::ball(self.center, self.radius);
+        let (o, d) = widen::ray(ray);
+        let f = o - c;
+        let w = f.cross(d);
+        let a = d.dot(d);
+        let b = f.dot(d);
+        let square = a * (r * r);
+        let discriminant = square - w.dot(w);
+        // With b above zero the far root, too, is a difference.
+        if !(b <= 0.0 && discriminant > CANCELLATION * square) {
+            return None;
+        }
+        let t64 = (discriminant.sqrt() - b) / a;
+        let Some(t) = accept(ray, t64) else { return Some(None) };
+        let from_center = f + t64 * d;
+        Some(Some(Root { t, from_center, normal: from_center / r }))
+    }
+
+    /// With 106 bits.
+    #[inline(never)]
+    pub(crate) fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
         let exact = |p: Vec3| p.to_array().map(Double::exact);
         let dot = |a: [Double; 3], b: [Double; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (o, c, d) = (exact(ray.origin), exact(self.center), exact(ray.direction));
@@ -152,25 +208,6 @@ impl Solve for Sphere {
         })
     }
 
-    #[inline(always)]
-    fn t(root: &Root) -> f32 {
-        root.t
-    }
-
-    #[inline(always)]
-    fn hit(&self, _: &Ray, Root { t, from_center, normal }: Root) -> Hit {
-        let position = round(self.center.as_dvec3() + from_center);
-        Hit {
-            t,
-            position,
-            error: rounding_error(position),
-            normal: round(normal),
-            parameters: Vec2::ZERO,
-        }
-    }
-}
-
-impl Sphere {
     /// A box that holds the sphere, and every position that [`Self::closest`] reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
