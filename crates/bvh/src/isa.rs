@@ -42,7 +42,7 @@ impl Isa {
     }
 
     /// The set that new trees use: the one named by the environment variable `ROTUND_ISA`
-    /// (`portable`, `avx2`, `avx512`) if the processor has it, else the fastest. Looked up once.
+    /// (`portable`, `sse2`, `avx2`, `avx512`) if the processor has it, else the fastest. Looked up once.
     #[must_use]
     pub fn default_set() -> Self {
         static DEFAULT: OnceLock<Isa> = OnceLock::new();
@@ -106,10 +106,30 @@ impl std::error::Error for UnknownIsa {}
 impl FromStr for Isa {
     type Err = UnknownIsa;
 
+    /// Reads a [`Isa::name`]. On x86-64 `sse2` names the portable set: what it is compiled to there is SSE2.
     fn from_str(name: &str) -> Result<Self, UnknownIsa> {
+        if cfg!(target_arch = "x86_64") && name == "sse2" {
+            return Ok(Self::PORTABLE);
+        }
         Self::available()
             .into_iter()
             .find(|isa| isa.name() == name)
             .ok_or_else(|| UnknownIsa(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_set_is_known_by_its_name() {
+        for isa in Isa::available() {
+            assert_eq!(isa.name().parse::<Isa>().ok(), Some(isa));
+        }
+        let sse2 = "sse2".parse::<Isa>().ok();
+        assert_eq!(sse2, cfg!(target_arch = "x86_64").then_some(Isa::PORTABLE));
+        let unknown = "mmx".parse::<Isa>().expect_err("no such set").to_string();
+        assert!(unknown.contains("\"mmx\"") && unknown.contains("portable"), "{unknown}");
     }
 }

@@ -59,19 +59,22 @@ pub(crate) fn solve(
         let (p0, p1) = (between(p00, p10, u), between(p01, p11, u));
         let ruling = sub(p1, p0);
         let square = ruling[0] * ruling[0] + ruling[1] * ruling[1];
-        let v = if square.nearest() > END_ON * (size * size) {
-            -(p0[0] * ruling[0] + p0[1] * ruling[1]) / square
+        let (is_point, v) = if square.nearest() > END_ON * (size * size) {
+            (false, -(p0[0] * ruling[0] + p0[1] * ruling[1]) / square)
         } else {
-            half
+            (true, half)
         };
+        // Rulings that are parallel to the ray solve the equation too, wherever they are.
+        let beside = (p0[0] * p0[0] + p0[1] * p0[1]).nearest();
+        let passes_by = is_point && beside > END_ON * (size * size);
         let t = (p0[2] + clamp(v) * ruling[2]) / dz;
         // A parabola without curvature has its other root at infinity, or nowhere.
-        let from_center = if raw.nearest().is_finite() {
+        let from_center = if raw.nearest().is_finite() && !passes_by {
             (raw - half).nearest().abs().max((v - half).nearest().abs())
         } else {
             f64::INFINITY
         };
-        let in_square = (zero..=one).contains(&raw) && (zero..=one).contains(&v);
+        let in_square = (zero..=one).contains(&raw) && (zero..=one).contains(&v) && !passes_by;
         let root = Root { t: t.nearest(), u: u.nearest(), v: clamp(v).nearest() };
         (root, from_center, in_square)
     });

@@ -144,3 +144,31 @@ fn a_ray_that_leaves_a_patch_meets_it_again_only_where_it_bends_back() {
         }
     }
 }
+
+/// Its rulings across are level: a level ray meets one of them alone, but is parallel to another one, which solves
+/// the same equation.
+#[test]
+fn a_level_ray_that_leaves_a_screw_does_not_meet_the_ruling_that_it_is_parallel_to() {
+    let (p00, p10) = (Vec3::new(-0.1275, 0.0, 0.7391), Vec3::new(-0.1275, 1.6, -0.7391));
+    let (p01, p11) = (Vec3::new(0.1275, 0.0, -0.7391), Vec3::new(0.1275, 1.6, 0.7391));
+    let screw = BilinearPatch { p00, p10, p01, p11 };
+    let mut random = Random(5);
+    let mut bounces = 0;
+    while bounces < 100_000 {
+        let target =
+            screw.position(Vec2::new(random.range(0.0, 1.0) as f32, random.range(0.0, 1.0) as f32));
+        let Some(hit) = screw.closest(&aimed(&mut random, target, 1.0)) else { continue };
+        let d = random.direction();
+        let level = DVec3::new(d.x, 0.0, d.z).as_vec3();
+        // From beside the axis, which belongs to all rulings.
+        if hit.position.x.hypot(hit.position.z) < 0.01 {
+            continue;
+        }
+        bounces += 1;
+        // From a little before the surface too, so that the hit that is left behind is looked for.
+        for t_min in [0.0, -f32::MIN_POSITIVE] {
+            let out = Ray { t_min, ..leave(&hit, level) };
+            assert_eq!(screw.closest(&out), None, "{hit:?} {out:?}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! One tree: built, shot at, and told of.
 
 use super::peer::{self, Peer};
+use super::progress::Progress;
 use super::recipe::Target;
 use super::shoot::{self, Primitive, Traced, Volley};
 use super::{Args, Row, Sheet, memory, reference};
@@ -47,14 +48,17 @@ pub(super) fn measure<P: Primitive>(
         reference::verify(scene, primitives, target, count as usize, form, &sets)?;
         return Ok(None);
     }
-    let (tree, building) = build(primitives, isa)?;
+    let progress = Progress::new(scene, primitives.len());
+    let (tree, building) = build(primitives, isa, &progress)?;
     let statistics = tree.statistics();
     if statistics.primitives == 0 {
         say(format!("{scene}: no primitive that a ray could hit"))?;
         return Ok(None);
     }
+    progress.stage("making rays");
     let volleys = shoot::volleys(&tree, target, form);
-    let rounds = rounds(subject, &tree, &volleys, form, args)?;
+    let rounds = rounds(subject, &tree, &volleys, form, args, &progress)?;
+    progress.stage("shooting on all threads");
     let peer_build = rounds.iter().filter_map(|round| round.peer.as_ref()).map(|p| p.build_seconds);
     let peer_build_seconds = median(peer_build.collect());
     let per_primitive = 1.0 / statistics.primitives as f64;
@@ -81,6 +85,7 @@ pub(super) fn measure<P: Primitive>(
         };
         rows.extend(volley_rows(&tree, volley, index, &rounds, form, template));
     }
+    drop(progress);
     print(scene, &rows, &statistics, &building)?;
     let seen = |ray| {
         let visits = tree.visits(ray, form);
@@ -90,13 +95,20 @@ pub(super) fn measure<P: Primitive>(
     Ok(Some(Sheet { scene: scene.to_owned(), rows, visits }))
 }
 
-fn build<P: Primitive>(primitives: &[P], isa: Isa) -> Result<(P::Tree, Building)> {
+fn build<P: Primitive>(
+    primitives: &[P],
+    isa: Isa,
+    progress: &Progress,
+) -> Result<(P::Tree, Building)> {
+    progress.stage("building the tree");
     // Before anything else of this size has come and gone, so that the peak is that of the build.
     let ((tree, seconds), peak_bytes) = memory::peak_of(|| {
         let start = Instant::now();
         let tree = P::build(primitives, isa);
         (tree, start.elapsed().as_secs_f64())
     });
+    let again = format!("building it again on one thread (on all it took {seconds:.1} s)");
+    progress.stage(&again);
     // In a thread of its own: CPU seconds are then what a build costs, not what it took.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let cpu_seconds = pool.install(|| {
@@ -121,9 +133,12 @@ fn rounds(
     volleys: &[Volley],
     form: Form,
     args: &Args,
+    progress: &Progress,
 ) -> Result<Vec<Round>> {
+    let start = Instant::now();
     (0..args.repeat)
-        .map(|_| {
+        .map(|round| {
+            progress.step("pass", usize::from(round), usize::from(args.repeat), start);
             let ours = volleys
                 .iter()
                 .map(|volley| {

@@ -8,6 +8,7 @@ mod measure;
 mod memory;
 mod page;
 mod peer;
+mod progress;
 mod recipe;
 mod reference;
 mod shoot;
@@ -43,7 +44,8 @@ pub(crate) struct Args {
     /// Shoot at the vanilla forms: points, lines, two triangles.
     #[arg(long)]
     vanilla: bool,
-    /// Instruction set: portable, avx2 or avx512. [default: the fastest]
+    /// Instruction set: portable (on x86-64 also called sse2, which it is there), avx2 or avx512. [default: the
+    /// fastest]
     #[arg(long)]
     isa: Option<Isa>,
     /// Compare the answers for this many rays, to the bit, with those of a plain tree that calls the exact

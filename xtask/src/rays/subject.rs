@@ -1,6 +1,7 @@
 //! What trees are built over: a recipe, or the shapes of a file.
 
 use super::measure::{Subject, measure};
+use super::progress::Progress;
 use super::recipe::{self, Target};
 use super::{Args, Sheet, memory};
 use crate::console::say;
@@ -77,7 +78,10 @@ fn many_spheres(name: &str, millions: &str, args: &Args) -> Result<Option<Sheet>
         );
     }
     let base = 0.002 / (count as f32 / MILLION as f32).cbrt();
+    let progress = Progress::new(name, count);
+    progress.stage("drawing the spheres");
     let (spheres, _) = recipe::spheres(count, 1, base);
+    drop(progress);
     measure(&Subject { name, known_to_peer: false }, &spheres, &Target::UNIT, args)
 }
 
