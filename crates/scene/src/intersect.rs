@@ -16,7 +16,26 @@ pub struct Trees {
     placements: Vec<Placement>,
     /// One for each shape.
     shapes: Vec<ShapeTree>,
+    route: Route,
 }
+
+/// By which route position and normal of a [`SceneHit`] come.
+///
+/// Vanilla points and lines are where the ray meets them, which parameters do not tell: with either route
+/// theirs are carried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Route {
+    /// With the hit: what the intersection found on the way.
+    #[default]
+    Carried,
+    /// From the element and `uv`, by [`Scene::eval_position`] and [`Scene::eval_normal`]: as a renderer
+    /// does that stores nothing else. `error` covers what that adds.
+    Rebuilt,
+}
+
+/// How far a rebuilt point may be from the carried one beyond the error of the hit, per unit of the size of
+/// the element in the world and of its distance from the origin. `tests/frames.rs` holds it.
+const ROUND_TRIP: f32 = 8.0 * f32::EPSILON;
 
 /// An instance, prepared for rays.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +98,8 @@ impl Trees {
             (Placement { shape: instance.shape, frame, ribbon_start }, frame.world_bounds(bounds))
         };
         let (placements, boxes): (Vec<_>, Vec<_>) = scene.instances.par_iter().map(place).unzip();
-        Self { instances: Bvh::build(&boxes), placements, shapes }
+        let route = Route::default();
+        Self { instances: Bvh::build(&boxes), placements, shapes, route }
     }
 
     /// The same trees, walked with these instructions: the answers are the same, to the bit.
@@ -87,6 +107,12 @@ impl Trees {
     pub fn with_isa(self, isa: Isa) -> Self {
         let shapes = self.shapes.into_iter().map(|shape| shape.with_isa(isa)).collect();
         Self { instances: self.instances.with_isa(isa), shapes, ..self }
+    }
+
+    /// The same trees, whose hits come by this route.
+    #[must_use]
+    pub fn with_route(self, route: Route) -> Self {
+        Self { route, ..self }
     }
 
     /// The first surface that the ray meets with `t` in `t_min..=t_max`. Ties go to the instance, and
@@ -106,14 +132,27 @@ impl Trees {
         let placement = &self.placements[instance as usize];
         let shape = &scene.shapes[placement.shape as usize];
         let world = placement.frame.world_hit(&hit);
-        Some(SceneHit {
+        let primitive = shape.primitive(element);
+        let hit = SceneHit {
             instance,
             element,
-            uv: shape.primitive(element).uv(&hit),
+            uv: primitive.uv(&hit),
             t,
             position: world.position,
             normal: world.normal,
             error: world.error,
+        };
+        if self.route == Route::Carried || primitive.is_ribbon() {
+            return Some(hit);
+        }
+        let bounds = placement.frame.world_bounds(primitive.bounds());
+        let scale = (bounds.max - bounds.min).length() + hit.position.length();
+        Some(SceneHit {
+            position: scene.eval_position(instance, element, hit.uv),
+            normal: scene.eval_normal(instance, element, hit.uv),
+            // Of the hit from the surface, and of the rebuilt point from the hit.
+            error: 2.0 * hit.error + ROUND_TRIP * scale,
+            ..hit
         })
     }
 

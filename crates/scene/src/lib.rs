@@ -35,7 +35,7 @@
 //! patches interpolate bilinearly, triangles linearly, tubes along the axis, and a point has its own.
 //!
 //! The point and the normal of a hit come by two routes: carried with the [`SceneHit`], or rebuilt from
-//! `uv` by [`Scene::eval_position`] and [`Scene::eval_normal`]. Both name the same point: they are within
+//! `uv` by [`Scene::eval_position`] and [`Scene::eval_normal`]; [`Trees::with_route`] chooses. Both name the same point: they are within
 //! `error + 2^-20 (size + distance)` of each other, with the error of the hit, the size of the element in the
 //! world and its distance from the origin; the normals within 1e-6 radians, in a frame that flattens as many
 //! times more as it flattens. `tests/frames.rs` holds this over more than a million hits of all forms in
@@ -78,7 +78,7 @@ mod texture;
 
 pub use camera::Camera;
 pub use environment::Environment;
-pub use intersect::{SceneHit, Trees};
+pub use intersect::{Route, SceneHit, Trees};
 pub use load::{LoadError, LoadOptions, Loaded, NamedBy, load};
 pub use material::{Material, MaterialKind, MaterialPoint};
 pub use rotund_geometry as geometry;

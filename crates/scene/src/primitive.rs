@@ -3,7 +3,7 @@
 use crate::{Elements, Method, Shape};
 use glam::{Vec2, Vec3};
 use rotund_geometry::{
-    BilinearPatch, Hit, RoundedCone, Sphere, Triangle,
+    Aabb, BilinearPatch, Hit, RoundedCone, Sphere, Triangle,
     vanilla::{Line, Point, Quad},
 };
 
@@ -37,6 +37,15 @@ macro_rules! each {
 impl Primitive {
     pub(crate) fn uv(&self, hit: &Hit) -> Vec2 {
         each!(self, primitive => primitive.uv(hit))
+    }
+
+    pub(crate) fn bounds(&self) -> Aabb {
+        each!(self, primitive => primitive.bounds())
+    }
+
+    /// True of what stands where the ray meets it.
+    pub(crate) fn is_ribbon(&self) -> bool {
+        matches!(self, Self::Point(_) | Self::Line(_))
     }
 
     pub(crate) fn position(&self, uv: Vec2) -> Vec3 {

@@ -7,7 +7,7 @@ use rotund_geometry::{
     glam::{Affine3A, Vec3},
     leave_surface,
 };
-use rotund_scene::{MaterialKind, Method, Scene, SceneHit, Trees};
+use rotund_scene::{MaterialKind, Method, Route, Scene, SceneHit, Trees};
 use support::{Random, frames, ray_at, scene_of, shapes};
 
 /// Of elements.
@@ -43,7 +43,12 @@ fn is_ribbon(scene: &Scene) -> bool {
 fn a_ray_that_leaves_a_lone_element_never_meets_it_again_if_it_is_convex() {
     let mut random = Random(11);
     let mut left = 0;
-    for (name, _, scene, trees) in cases(1) {
+    let routes = |(name, _, scene, trees): (String, Affine3A, Scene, Trees)| {
+        [Route::Carried, Route::Rebuilt].map(|route| {
+            (format!("{name}, {route:?}"), scene.clone(), trees.clone().with_route(route))
+        })
+    };
+    for (name, scene, trees) in cases(1).into_iter().flat_map(routes) {
         let patch = matches!(scene.shapes[0].elements.kind(), rotund_scene::ElementKind::Quads);
         if patch {
             // May be met again, for it may be hollow.
@@ -70,7 +75,7 @@ fn a_ray_that_leaves_a_lone_element_never_meets_it_again_if_it_is_convex() {
             }
         }
     }
-    assert!(left > 30_000, "only {left} rays left a surface");
+    assert!(left > 60_000, "only {left} rays left a surface");
 }
 
 #[test]
@@ -142,6 +147,34 @@ fn round_trip(seed: usize, (name, frame, scene, trees): &(String, Affine3A, Scen
         }
     }
     compared
+}
+
+#[test]
+fn a_rebuilt_hit_is_the_point_and_the_normal_that_its_uv_name() {
+    let mut random = Random(31);
+    for (name, _, scene, trees) in cases(20) {
+        let rebuilt = trees.clone().with_route(Route::Rebuilt);
+        for _ in 0..100 {
+            let ray = ray_at(&mut random, &scene, SIZE);
+            let (carried, hit) = (trees.closest(&scene, &ray), rebuilt.closest(&scene, &ray));
+            let Some((carried, hit)) = carried.zip(hit) else {
+                assert_eq!(carried, hit, "{name}: both miss");
+                continue;
+            };
+            let SceneHit { instance, element, uv, t, .. } = hit;
+            assert_eq!(
+                (instance, element, uv, t),
+                (carried.instance, carried.element, carried.uv, carried.t)
+            );
+            if is_ribbon(&scene) {
+                assert_eq!(hit, carried, "{name}: only the ray knows");
+            } else {
+                assert_eq!(hit.position, scene.eval_position(instance, element, uv), "{name}");
+                assert_eq!(hit.normal, scene.eval_normal(instance, element, uv), "{name}");
+                assert!(hit.position.distance(carried.position) <= hit.error, "{name}: {hit:?}");
+            }
+        }
+    }
 }
 
 #[test]
