@@ -202,8 +202,8 @@ impl Path<'_> {
         if *furnace {
             return;
         }
-        let [choice, x, y, _] = self.numbers(0);
-        let Some(light) = lights.sample(scene, receiver, choice, Vec2::new(x, y)) else { return };
+        let [x, y, choice, _] = self.numbers(0);
+        let Some(light) = lights.sample(receiver, choice, Vec2::new(x, y)) else { return };
         let (value, pdf) = scatter(light.incoming);
         if value == Vec3::ZERO {
             return;
@@ -216,7 +216,10 @@ impl Path<'_> {
         };
         let (share, rays) = self.world.visibility(departure, &target, self.media);
         self.arrived.rays += rays;
-        self.arrived.radiance += self.throughput * share * weight * value * light.radiance;
+        if share != Vec3::ZERO {
+            let radiance = lights.radiance(scene, &light);
+            self.arrived.radiance += self.throughput * share * weight * value * radiance;
+        }
     }
 
     fn scatter_inside(&mut self, medium: &Medium, position: Vec3) -> Next {
@@ -231,7 +234,7 @@ impl Path<'_> {
             let density = phase::henyey_greenstein(g, outgoing, incoming);
             (Vec3::splat(density), density)
         });
-        let [_, x, y, roulette] = self.numbers(1);
+        let [x, y, _, roulette] = self.numbers(1);
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = Some(Origin { receiver, pdf });
@@ -254,7 +257,7 @@ impl Path<'_> {
                 (if allowed(incoming) { value.value } else { Vec3::ZERO }, value.pdf)
             });
         }
-        let [choice, x, y, roulette] = self.numbers(1);
+        let [x, y, choice, roulette] = self.numbers(1);
         let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
         let incoming = scattered.incoming;
         if !allowed(incoming) {

@@ -1,9 +1,6 @@
 //! Random numbers that depend on pixel, sample and seed, never on threads.
 
-use sobol_burley::NUM_DIMENSION_SETS_4D;
-use sobol_burley::parts::{
-    Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev, sobol_rev,
-};
+use sobol_burley::parts::{Int4, hash_int4, owen_scramble_int4_rev, owen_scramble_rev, sobol_rev};
 use std::sync::LazyLock;
 
 /// Where the numbers of a path come from.
@@ -22,6 +19,11 @@ pub enum Sequence {
 /// It has no state that advances: a dimension set has the same numbers whenever it is asked for, so
 /// what one decision of a path consumes does not shift what the next one gets.
 ///
+/// Of the Sobol sequence only the first four dimensions are taken, which cover the plane of each two
+/// best, and each set has them in an order and with a scramble of its own. Within a set the numbers of
+/// all samples are even, best the first two; between sets they are independent. The dimensions of one
+/// long sequence are even together only for far more samples than a pixel has.
+///
 /// Source: B. Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics
 /// Techniques 9(4), 2020.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +31,8 @@ pub struct Sampler {
     sequence: Sequence,
     /// A hash of the seed and the pixel.
     key: u64,
-    /// The number of the sample, shuffled and with its bits reversed; 0 if numbers are independent.
-    shuffled: u32,
+    /// The number of the sample with its bits reversed; 0 if numbers are independent.
+    index: u32,
 }
 
 /// The crate `sobol_burley` has sequences of this length; beyond it another scramble is used.
@@ -46,62 +48,56 @@ impl Sampler {
             Sequence::Sobol => {
                 let key = mix(key ^ u64::from(sample >> SEQUENCE_BITS));
                 let index = sample & ((1 << SEQUENCE_BITS) - 1);
-                let shuffle = hash(key as u32 ^ 0x79c6_8e4a);
-                Self { sequence, key, shuffled: owen_scramble_rev(index.reverse_bits(), shuffle) }
+                Self { sequence, key, index: index.reverse_bits() }
             }
-            Sequence::Independent => {
-                Self { sequence, key: mix(key ^ u64::from(sample)), shuffled: 0 }
-            }
+            Sequence::Independent => Self { sequence, key: mix(key ^ u64::from(sample)), index: 0 },
         }
     }
 
     /// The `set`-th four numbers.
     #[must_use]
     pub fn set(&self, set: u32) -> [f32; 4] {
-        if self.sequence == Sequence::Sobol && set < NUM_DIMENSION_SETS_4D {
-            // What `sobol_burley::sample_4d` does, with the shuffle done once for all sets.
-            let seed = (self.key as u32).wrapping_mul(0x9c8f_2d3b) ^ set;
-            let scrambles =
-                [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].map(|salt| seed ^ salt);
-            let points = Int4::from(sobol_points(self.shuffled, set));
-            let scrambled = owen_scramble_int4_rev(points, hash_int4(scrambles.into()));
-            return scrambled.reverse_bits().to_f32_norm();
-        }
         let first = mix(self.key ^ mix(u64::from(set)));
+        if self.sequence == Sequence::Sobol {
+            return scrambled(self.index, first as u32, (first >> 32) as u32);
+        }
         let second = mix(first);
         let unit = |bits: u64| (bits as u32 >> 8) as f32 * (1.0 / (1_u32 << 24) as f32);
         [unit(first), unit(first >> 32), unit(second), unit(second >> 32)]
     }
 }
 
-/// The `set`-th four coordinates of a Sobol point, bits reversed, by the first 16 bits of its number.
+/// Four numbers of the Sobol point of an index with its bits reversed: the index is shuffled and each
+/// coordinate scrambled, both as Owen does. This is `sobol_burley::sample_4d` but for the two seeds.
+fn scrambled(index: u32, shuffle: u32, scramble: u32) -> [f32; 4] {
+    let seeds = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].map(|salt| scramble ^ salt);
+    let points = Int4::from(sobol_point(owen_scramble_rev(index, shuffle)));
+    owen_scramble_int4_rev(points, hash_int4(seeds.into())).reverse_bits().to_f32_norm()
+}
+
+/// The first four coordinates of a Sobol point, bits reversed, by the first 16 bits of its number.
 ///
 /// Coordinates are linear over the bits of the number, so those of four bits at a time are summed
 /// from a table instead of those of each bit.
 #[inline]
-fn sobol_points(index: u32, set: u32) -> [u32; 4] {
-    let quarters = &SOBOL[set as usize];
+fn sobol_point(index: u32) -> [u32; 4] {
     let mut sum = [0; 4];
-    for (place, quarter) in quarters.iter().enumerate() {
-        let points = quarter[(index >> (28 - 4 * place)) as usize & 15];
-        for (sum, point) in sum.iter_mut().zip(points) {
+    for (place, quarter) in SOBOL.iter().enumerate() {
+        let point = quarter[(index >> (28 - 4 * place)) as usize & 15];
+        for (sum, point) in sum.iter_mut().zip(point) {
             *sum ^= point;
         }
     }
     sum
 }
 
-/// Of one set: the four coordinates for each value of each four bits, from the highest.
-type Quarters = [[[u32; 4]; 16]; 4];
-
-static SOBOL: LazyLock<Vec<Quarters>> = LazyLock::new(|| {
-    let points = |set: u32, place: usize, value: usize| {
+/// The four coordinates for each value of each four bits, from the highest.
+static SOBOL: LazyLock<[[[u32; 4]; 16]; 4]> = LazyLock::new(|| {
+    let point = |place: usize, value: usize| {
         let index = (value as u32) << (28 - 4 * place);
-        std::array::from_fn(|dimension| sobol_rev(index, 4 * set + dimension as u32))
+        std::array::from_fn(|dimension| sobol_rev(index, dimension as u32))
     };
-    let quarters =
-        |set| std::array::from_fn(|place| std::array::from_fn(|value| points(set, place, value)));
-    (0..NUM_DIMENSION_SETS_4D).map(quarters).collect()
+    std::array::from_fn(|place| std::array::from_fn(|value| point(place, value)))
 });
 
 /// One step of SplitMix64 (G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number
@@ -116,13 +112,48 @@ fn mix(x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sobol_burley::parts::hash;
 
     #[test]
     fn the_points_are_those_of_the_published_sequence() {
-        for (sample, set) in [(0, 0), (1, 0), (77, 3), (4096, 17), (65_535, 63)] {
-            let sampler = Sampler::new(Sequence::Sobol, 5, 3, 2, sample);
-            let expected = sobol_burley::sample_4d(sample, set, sampler.key as u32);
-            assert_eq!(sampler.set(set), expected, "sample {sample}, set {set}");
+        for (sample, seed) in [(0_u32, 0), (1, 7), (77, 3), (4096, 17), (65_535, 63)] {
+            // The seeds that `sample_4d` makes of one.
+            let [shuffle, scramble] = [hash(seed ^ 0x79c6_8e4a), seed.wrapping_mul(0x9c8f_2d3b)];
+            let expected = sobol_burley::sample_4d(sample, 0, seed);
+            let found = scrambled(sample.reverse_bits(), shuffle, scramble);
+            assert_eq!(found, expected, "sample {sample}, seed {seed}");
+        }
+    }
+
+    #[test]
+    fn the_samples_of_a_pixel_are_even_in_every_set() {
+        for set in [0, 1, 2, 20, 500, 1 << 16] {
+            // Each box of area 1/64, of any shape, has one of 64 points.
+            for rows in [1, 2, 4, 8, 16, 32, 64] {
+                let mut counts = vec![0; 64];
+                for sample in 0..64 {
+                    let [x, y, ..] = Sampler::new(Sequence::Sobol, 9, 5, 6, sample).set(set);
+                    let (row, column) = (y * rows as f32, x * (64 / rows) as f32);
+                    counts[row as usize * (64 / rows) + column as usize] += 1;
+                }
+                assert!(counts.iter().all(|&count| count == 1), "set {set}, {rows} rows");
+            }
+        }
+    }
+
+    #[test]
+    fn sets_are_not_correlated() {
+        // Were two sets in the same order, their numbers would fill one line of a plane.
+        for [a, b] in [[0, 1], [1, 2], [1, 4], [2, 1 << 16]] {
+            let numbers = |set| {
+                (0..4096).map(move |sample| {
+                    Sampler::new(Sequence::Sobol, 1, 2, 3, sample).set(set)[0] - 0.5
+                })
+            };
+            let covariance: f32 =
+                numbers(a).zip(numbers(b)).map(|(x, y)| x * y).sum::<f32>() / 4096.0;
+            // Four deviations of the mean of 4096 products of independent numbers.
+            assert!(covariance.abs() < 4.0 / 12.0 / 64.0, "sets {a} and {b}: {covariance}");
         }
     }
 }

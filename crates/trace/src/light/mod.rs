@@ -33,12 +33,12 @@ pub struct Lights {
 pub(crate) struct LightSample {
     /// Of unit length.
     pub(crate) incoming: Vec3,
-    /// What arrives if nothing is in the way.
-    pub(crate) radiance: Vec3,
     /// Per solid angle.
     pub(crate) pdf: f32,
     /// Where the light comes from; none is infinitely far away.
     pub(crate) source: Option<LightSource>,
+    /// The emitter, and what it calls the point.
+    emitter: Option<(u32, Vec2)>,
 }
 
 /// A point on an emitter.
@@ -104,33 +104,35 @@ impl Lights {
     }
 
     /// Draws a direction: `choice` picks the light, `u` the point on it.
-    pub(crate) fn sample(
-        &self,
-        scene: &Scene,
-        receiver: &Receiver,
-        choice: f32,
-        u: Vec2,
-    ) -> Option<LightSample> {
+    pub(crate) fn sample(&self, receiver: &Receiver, choice: f32, u: Vec2) -> Option<LightSample> {
         let environment_chance = self.environment_chance(receiver);
         if choice < environment_chance {
             let (incoming, pdf) = self.environments.sample(u)?;
             return Some(LightSample {
                 incoming,
-                radiance: scene.eval_environment(incoming),
                 pdf: environment_chance * pdf,
                 source: None,
+                emitter: None,
             });
         }
         let choice = (choice - environment_chance) / (1.0 - environment_chance);
         let (emitter, chance) = self.tree.choose(receiver, choice)?;
-        let emitter = &self.emitters[emitter as usize];
-        let point = emitter.sample(receiver.position, u)?;
+        let point = self.emitters[emitter as usize].sample(receiver.position, u)?;
         Some(LightSample {
             incoming: (point.source.position - receiver.position).try_normalize()?,
-            radiance: emitter.radiance(scene, point.uv),
             pdf: (1.0 - environment_chance) * chance * point.pdf,
             source: Some(point.source),
+            emitter: Some((emitter, point.uv)),
         })
+    }
+
+    /// What arrives from a drawn direction if nothing is in the way. Looking images up takes long, so
+    /// it waits until the light is known to arrive.
+    pub(crate) fn radiance(&self, scene: &Scene, light: &LightSample) -> Vec3 {
+        match light.emitter {
+            Some((emitter, uv)) => self.emitters[emitter as usize].radiance(scene, uv),
+            None => scene.eval_environment(light.incoming),
+        }
     }
 
     /// The density with which [`Self::sample`] would have found a direction that leads out of the

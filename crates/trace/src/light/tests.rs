@@ -43,8 +43,8 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
     let mut sum = 0.0;
     let mut lost = 0;
     for index in 0..SAMPLES {
-        let [choice, x, y, _] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(0);
-        let Some(light) = lights.sample(scene, &receiver, choice, Vec2::new(x, y)) else {
+        let [x, y, choice, _] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(0);
+        let Some(light) = lights.sample(&receiver, choice, Vec2::new(x, y)) else {
             continue;
         };
         let cosine = normal.dot(light.incoming);
@@ -67,7 +67,7 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
             }
             _ => lost += 1,
         }
-        sum += f64::from(cosine / light.pdf * light.radiance.x);
+        sum += f64::from(cosine / light.pdf * lights.radiance(scene, &light).x);
     }
     // A patch can stand in its own light; all else here is convex.
     let bends = matches!(scene.shapes[0].elements, Elements::Quads(_));
@@ -246,8 +246,8 @@ fn many_lights_are_chosen_by_what_they_add() {
     let receiver = Receiver { position, normal: Some(normal) };
     let values: Vec<f64> = (0..SAMPLES)
         .map(|index| {
-            let [choice, x, y, _] = Sampler::new(Sequence::Independent, 1, 0, 0, index).set(0);
-            let light = lights.sample(&scene, &receiver, choice, Vec2::new(x, y));
+            let [x, y, choice, _] = Sampler::new(Sequence::Independent, 1, 0, 0, index).set(0);
+            let light = lights.sample(&receiver, choice, Vec2::new(x, y));
             light.map_or(0.0, |l| f64::from(normal.dot(l.incoming).max(0.0) / l.pdf))
         })
         .collect();
@@ -306,12 +306,14 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
     let uniform = 1.0 / (4.0 * PI as f32);
     let (mut sum, mut edges) = (0.0, 0);
     for index in 0..SAMPLES {
-        let [choice, x, y, _] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(0);
-        let light = lights.sample(&scene, &receiver, choice, Vec2::new(x, y)).expect("it shines");
+        let [x, y, choice, _] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(0);
+        let light = lights.sample(&receiver, choice, Vec2::new(x, y)).expect("it shines");
         let again = lights.environment_pdf(&receiver, light.incoming);
         // Some directions are rounded over the edge of their cell.
         edges += u32::from((again - light.pdf).abs() > 1e-3 * light.pdf);
-        sum += f64::from(power_heuristic(light.pdf, uniform) * light.radiance.x / light.pdf);
+        sum += f64::from(
+            power_heuristic(light.pdf, uniform) * lights.radiance(&scene, &light).x / light.pdf,
+        );
         let [x, y, ..] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(1);
         let d = warp::sphere(Vec2::new(x, y));
         let other = lights.environment_pdf(&receiver, d);

@@ -32,7 +32,7 @@ pub(crate) fn direction(cosine: f32, azimuth: f32) -> Vec3 {
 
 /// The `index`-th number for a lobe and point of the unit square.
 pub(crate) fn numbers(sequence: Sequence, seed: u64, index: u32) -> (f32, Vec2) {
-    let [choice, x, y, _] = Sampler::new(sequence, seed, 0, 0, index).set(0);
+    let [x, y, choice, _] = Sampler::new(sequence, seed, 0, 0, index).set(0);
     (choice, Vec2::new(x, y))
 }
 
