@@ -21,7 +21,7 @@ pub(super) struct Subject<'a> {
 /// What it took to build a tree.
 #[derive(Clone, Copy)]
 struct Building {
-    /// Of one thread, for the whole tree.
+    /// Of one thread, for the whole tree; the median, where a peer built its own in turn.
     cpu_seconds: f64,
     /// Until all threads together had built it.
     seconds: f64,
@@ -49,7 +49,7 @@ pub(super) fn measure<P: Primitive>(
         return Ok(None);
     }
     let progress = Progress::new(scene, primitives.len());
-    let (tree, building) = build(primitives, isa, &progress)?;
+    let (tree, mut building) = build(primitives, isa, &progress)?;
     let statistics = tree.statistics();
     if statistics.primitives == 0 {
         say(format!("{scene}: no primitive that a ray could hit"))?;
@@ -57,8 +57,12 @@ pub(super) fn measure<P: Primitive>(
     }
     progress.stage("making rays");
     let volleys = shoot::volleys(&tree, target, form);
-    let rounds = rounds(subject, &tree, &volleys, form, args, &progress)?;
+    let again = || cpu_seconds(primitives, isa);
+    let rounds = rounds(subject, &tree, &volleys, form, args, again, &progress)?;
     progress.stage("shooting on all threads");
+    let builds = rounds.iter().filter_map(|round| round.build_seconds);
+    building.cpu_seconds =
+        median(builds.chain([building.cpu_seconds]).collect()).unwrap_or(f64::NAN);
     let peer_build = rounds.iter().filter_map(|round| round.peer.as_ref()).map(|p| p.build_seconds);
     let peer_build_seconds = median(peer_build.collect());
     let per_primitive = 1.0 / statistics.primitives as f64;
@@ -109,21 +113,27 @@ fn build<P: Primitive>(
     });
     let again = format!("building it again on one thread (on all it took {seconds:.1} s)");
     progress.stage(&again);
-    // In a thread of its own: CPU seconds are then what a build costs, not what it took.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let cpu_seconds = pool.install(|| {
-        let start = ThreadTime::now();
-        drop(P::build(primitives, isa));
-        start.elapsed().as_secs_f64()
-    });
+    let cpu_seconds = cpu_seconds(primitives, isa)?;
     // What is smaller than the tree was served from memory that the process held already.
     let peak_bytes = peak_bytes.filter(|&peak| peak >= tree.statistics().bytes as f64);
     Ok((tree, Building { cpu_seconds, seconds, peak_bytes }))
 }
 
+/// What a build costs: the seconds of the one thread that does it.
+fn cpu_seconds<P: Primitive>(primitives: &[P], isa: Isa) -> Result<f64> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    Ok(pool.install(|| {
+        let start = ThreadTime::now();
+        drop(P::build(primitives, isa));
+        start.elapsed().as_secs_f64()
+    }))
+}
+
 /// Our passes over the kinds of rays, and the peer's turn after them.
 struct Round {
     ours: Vec<shoot::Pass>,
+    /// Of a build of ours, since the peer builds its tree each time.
+    build_seconds: Option<f64>,
     peer: Option<Peer>,
 }
 
@@ -133,6 +143,7 @@ fn rounds(
     volleys: &[Volley],
     form: Form,
     args: &Args,
+    build: impl Fn() -> Result<f64>,
     progress: &Progress,
 ) -> Result<Vec<Round>> {
     let start = Instant::now();
@@ -149,7 +160,8 @@ fn rounds(
                 .collect();
             let program = args.peer.as_deref().filter(|_| subject.known_to_peer);
             let peer = program.map(|program| peer::run(program, subject.name)).transpose()?;
-            Ok(Round { ours, peer })
+            let build_seconds = peer.as_ref().map(|_| build()).transpose()?;
+            Ok(Round { ours, build_seconds, peer })
         })
         .collect()
 }
