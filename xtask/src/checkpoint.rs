@@ -116,7 +116,8 @@ impl Checkpoint {
     }
 }
 
-fn describe(film: &Film) -> String {
+/// What a film is of, for a person who has to tell it from another.
+pub(crate) fn describe(film: &Film) -> String {
     let Shard { index, count } = film.shard;
     let shard = if count > 1 { format!(", shard {}/{count}", index + 1) } else { String::new() };
     format!("{}, {} x {}, seed {}{shard}", film.label, film.width, film.height, film.seed)

@@ -1,10 +1,11 @@
 //! `merge CHECKPOINT... --out FILE`: one picture of the shards of a render.
 
+use crate::checkpoint::describe;
 use crate::console::say;
 use crate::output::check_image_file;
 use crate::shot::odd_samples;
-use anyhow::Result;
-use rotund_trace::{Film, output};
+use anyhow::{Result, anyhow};
+use rotund_trace::{Film, MergeError, output};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -29,7 +30,17 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<()> {
     check_image_file(&args.out)?;
     let films: Vec<Film> = args.films.iter().map(output::load_film).collect::<Result<_, _>>()?;
-    let film = Film::merge(&films)?;
+    let film = Film::merge(&films).map_err(|error| match error {
+        // Whoever renders many shards knows them by their files.
+        MergeError::Different { number } => anyhow!(
+            "{} is of another picture than {}: of {}, not of {}",
+            args.films[number - 1].display(),
+            args.films[0].display(),
+            describe(&films[number - 1]),
+            describe(&films[0])
+        ),
+        error => error.into(),
+    })?;
     output::write(&args.out, &film)?;
     say(format!(
         "{}: {} x {}, {} samples of {} shards{}",

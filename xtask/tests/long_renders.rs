@@ -156,7 +156,8 @@ fn interrupt(child: &Child) {
 #[test]
 fn shards_merge_to_the_picture_of_one_render() {
     let place = Place::new();
-    let picture = "render scene.json --resolution 48 --samples 10 --seed 7";
+    // More than one tile of the file in each direction.
+    let picture = "render scene.json --resolution 160 --samples 10 --seed 7";
     place.succeed(&format!("{picture} --out plain.exr"));
     for shard in 1..=3 {
         place.succeed(&format!("{picture} --shard {shard}/3 --checkpoint {shard}.film"));
@@ -165,6 +166,11 @@ fn shards_merge_to_the_picture_of_one_render() {
     assert!(place.bytes("plain.exr") == place.bytes("merged.exr"), "the pictures differ");
     place.refuse("merge 1.film 2.film --out no.exr", &["shard 3/3 is there 0 times"]);
     place.refuse("merge 1.film 2.film 2.film --out no.exr", &["shard 2/3 is there 2 times"]);
+    place.succeed("render scene.json --resolution 160 --seed 8 --shard 2/3 --checkpoint other.film --samples 1");
+    place.refuse(
+        "merge 1.film other.film 3.film --out no.exr",
+        &["other.film is of another picture than 1.film", "seed 8, shard 2/3, not of", "seed 7"],
+    );
     assert!(!place.path("no.exr").exists(), "nothing is written");
 }
 

@@ -3,8 +3,10 @@
 mod support;
 
 use rotund_scene::{Scene, Trees};
-use rotund_trace::output::{load_film, save_film};
-use rotund_trace::{Film, Lights, MergeError, Options, Progress, Shard, View, render, resume};
+use rotund_trace::output::{load_film, save_film, write_image, write_layers};
+use rotund_trace::{
+    Film, Image, Lights, MergeError, Options, Progress, Shard, View, layers, render, resume,
+};
 use std::ops::ControlFlow;
 
 const OPTIONS: Options = Options {
@@ -125,5 +127,34 @@ fn a_damaged_checkpoint_is_refused() {
         std::fs::write(&path, bytes).expect("it is written");
         let message = load_film(&path).expect_err(why).to_string();
         assert!(message.contains(expected) && message.contains("a.film"), "{why}: {message}");
+    }
+}
+
+/// Pictures are compared by the bytes of their files. Large ones are packed by several threads.
+#[test]
+fn a_picture_written_again_has_the_same_bytes() {
+    let scene = support::glass_over_a_floor();
+    let options = Options { width: 300, height: 200, samples: 1, ..OPTIONS };
+    let trees = Trees::build(&scene);
+    let layers = layers(&scene, &trees, 0, &options);
+    // Tiles of very unequal work.
+    let value = |i: u32| if i % 300 < 150 { 0.25 } else { (i as f32 * 0.7).sin().exp() };
+    let pixels = (0..300 * 200).map(|i| [value(i), value(i + 1), value(i + 2), 1.0]).collect();
+    let image = Image { width: 300, height: 200, pixels };
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["plain.exr", "plain.hdr", "plain.png", "layers.exr"] {
+        let path = folder.path().join(name);
+        let bytes = || {
+            match name {
+                "layers.exr" => write_layers(&path, &image, &layers),
+                _ => write_image(&path, &image),
+            }
+            .expect("a file");
+            std::fs::read(&path).expect("the file")
+        };
+        let first = bytes();
+        for _ in 0..20 {
+            assert!(bytes() == first, "{name} is another file");
+        }
     }
 }

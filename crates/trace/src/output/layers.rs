@@ -1,10 +1,9 @@
 //! Pictures with all that is known of their pixels.
 
-use super::{OutputError, write_with};
+use super::{ENCODING, OutputError, write_with};
 use crate::{Image, Layers};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
-    WritableImage,
+    AnyChannel, AnyChannels, FlatSamples, Image as ExrImage, Layer, LayerAttributes, WritableImage,
 };
 use glam::Vec3;
 use std::path::Path;
@@ -52,6 +51,6 @@ pub fn write_layers(
         add(name, FlatSamples::U32(ids.clone()));
     }
     let channels = AnyChannels::sort(channels.into_iter().collect());
-    let layer = Layer::new(size, LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+    let layer = Layer::new(size, LayerAttributes::default(), ENCODING, channels);
     write_with(path, |file| ExrImage::from_layer(layer).write().to_buffered(file))
 }

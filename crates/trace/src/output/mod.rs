@@ -8,7 +8,7 @@ pub use layers::write_layers;
 
 use crate::{Film, Image};
 use exr::prelude::{
-    Encoding, Image as ExrImage, Layer, LayerAttributes, SpecificChannels, WritableImage,
+    Encoding, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels, WritableImage,
 };
 use std::{
     error::Error,
@@ -122,12 +122,17 @@ fn encode_hdr(file: impl Write, image: &Image) -> Result<(), image::ImageError> 
     )
 }
 
+/// Tiles in order: else they are written as threads finish them, and the bytes of a file are other ones
+/// each time.
+const ENCODING: Encoding =
+    Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
+
 fn encode_exr(file: impl Write + Seek, image: &Image) -> Result<(), exr::error::Error> {
     let size = (image.width as usize, image.height as usize);
     let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
         let [r, g, b, a] = image.pixels[at.y() * size.0 + at.x()];
         (r, g, b, a)
     });
-    let layer = Layer::new(size, LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+    let layer = Layer::new(size, LayerAttributes::default(), ENCODING, channels);
     ExrImage::from_layer(layer).write().to_buffered(file)
 }
