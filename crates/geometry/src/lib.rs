@@ -33,7 +33,8 @@
 //!
 //! Input is taken as exact. The solvers work in `f64`, in forms whose terms do not grow with the distance
 //! of the ray. Those of the three round shapes start again with 106 bits where an `f64` leaves too few: at
-//! grazing incidence, and for rays that start on the surface. Each number of a [`Hit`] is rounded once.
+//! grazing incidence, and for rays that start on the surface unless it is certain which way they go. Each number
+//! of a [`Hit`] is rounded once.
 //! With `u = 2⁻²⁴`:
 //!
 //! | | measured bound |
