@@ -57,6 +57,7 @@ pub(crate) struct Root<T = f64> {
 }
 
 /// The patch as the ray sees it.
+#[derive(Clone, Copy)]
 struct View {
     space: RaySpace,
     /// Whether the outline winds around the ray an odd number of times.
@@ -88,8 +89,14 @@ pub(crate) fn solve(patch: &BilinearPatch, ray: &Ray) -> Common<Root<f32>> {
     let ends = view.c * view.e;
     let passes = ends.less(Pair::splat(0.0));
     if !(view.odd & passes.any()) {
-        let folded = view.odd || view.may_come_back(ends);
-        return if folded { Common::Unsure } else { Common::Miss };
+        return if view.odd {
+            Common::Unsure
+        } else if view.may_come_back(ends) {
+            // A copy, so that the rest need not be in memory for its sake.
+            solve_folded(view, ray)
+        } else {
+            Common::Miss
+        };
     }
     let k = (view.c + view.e) - view.a;
     let discriminants = k * k - Pair::splat(4.0) * ends;
@@ -111,6 +118,14 @@ pub(crate) fn solve(patch: &BilinearPatch, ray: &Ray) -> Common<Root<f32>> {
     accept(ray, view.space.t(depth)).map(|t| Root { t, u, v }).into()
 }
 
+/// The first of two crossings, if there are any. For corners that are not finite there is no such ray:
+/// [`View::may_come_back`] is false, because infinities do not compare.
+#[cold]
+#[inline(never)]
+fn solve_folded(view: View, ray: &Ray) -> Common<Root<f32>> {
+    view.solve_both(ray)
+}
+
 /// The same for every ray: also one that meets the patch twice, or once near a fold or a corner, and one
 /// for which 53 bits are too few.
 pub(crate) fn solve_carefully(patch: &BilinearPatch, ray: &Ray) -> Option<Root<f32>> {
@@ -119,40 +134,13 @@ pub(crate) fn solve_carefully(patch: &BilinearPatch, ray: &Ray) -> Option<Root<f
         return None;
     }
     let view = View::new(patch, ray)?;
-    let (a, b, c) = (view.a, view.b(), view.c);
-    // The same twice: of the two, the one with the smaller terms is the better one.
-    let discriminants = b * b - Pair::splat(4.0) * a * c;
-    let smaller = b.first().abs() <= b.second().abs();
-    let discriminant = if smaller { discriminants.first() } else { discriminants.second() };
-    let square = view.size * view.size;
-    if !view.odd && discriminant < -TOO_FEW_DIGITS * (square * square) {
-        return None;
+    match view.solve_both(ray) {
+        Common::Miss => None,
+        Common::Root(root) => Some(root),
+        Common::Unsure => {
+            nearest(ray, careful_patch::solve(patch, ray, view.space.axes(), view.odd))
+        }
     }
-    let root = discriminant.max(0.0).sqrt();
-    let roots = [1.0, -1.0].map(|sign| {
-        let raw = view.roots(root, sign);
-        let [u, v] = raw.to_array().map(|x| x.clamp(0.0, 1.0));
-        let depth = view.depth(u, v);
-        // A NaN, of 0 / 0, is not in the square, and not next to its edge.
-        let [u_off, v_off] = raw.to_array().map(|x| (x - 0.5).abs());
-        let root = Root { t: view.space.t(depth), u, v };
-        let poor =
-            view.too_few_digits(discriminant, depth) && !view.is_behind(ray, discriminant, depth);
-        (root, u_off.max(v_off), poor)
-    });
-    let [(first, first_off, first_poor), (second, second_off, second_poor)] = roots;
-    let next_to_edge = |off: f64| (off - 0.5).abs() < NEXT_TO_EDGE;
-    if first_poor | second_poor | next_to_edge(first_off) | next_to_edge(second_off) {
-        return nearest(ray, careful_patch::solve(patch, ray, view.space.axes(), view.odd));
-    }
-    if view.odd {
-        // One of them is in the square: the one nearer to its centre.
-        let root = if first_off < second_off { first } else { second };
-        return nearest(ray, [Some(root), None]);
-    }
-    // The outline says that both are in the square, or none.
-    let both = (first_off <= 0.5) & (second_off <= 0.5);
-    if both { nearest(ray, [Some(first), Some(second)]) } else { None }
 }
 
 impl View {
@@ -211,6 +199,47 @@ impl View {
         over / under
     }
 
+    /// The first crossing, of both that the whole surface has.
+    #[inline(always)]
+    fn solve_both(&self, ray: &Ray) -> Common<Root<f32>> {
+        let (a, b, c) = (self.a, self.b(), self.c);
+        // The same twice: of the two, the one with the smaller terms is the better one.
+        let discriminants = b * b - Pair::splat(4.0) * a * c;
+        let smaller = b.first().abs() <= b.second().abs();
+        let discriminant = if smaller { discriminants.first() } else { discriminants.second() };
+        let square = self.size * self.size;
+        if !self.odd && discriminant < -TOO_FEW_DIGITS * (square * square) {
+            return Common::Miss;
+        }
+        let root = discriminant.max(0.0).sqrt();
+        let roots = [1.0, -1.0].map(|sign| {
+            let raw = self.roots(root, sign);
+            let [u, v] = raw.to_array().map(|x| x.clamp(0.0, 1.0));
+            let depth = self.depth(u, v);
+            // A NaN, of 0 / 0, is not in the square, and not next to its edge.
+            let [u_off, v_off] = raw.to_array().map(|x| (x - 0.5).abs());
+            let root = Root { t: self.space.t(depth), u, v };
+            let poor = self.too_few_digits(discriminant, depth)
+                && !self.is_behind(ray, discriminant, depth);
+            (root, u_off.max(v_off), poor)
+        });
+        let [(first, first_off, first_poor), (second, second_off, second_poor)] = roots;
+        let next_to_edge = |off: f64| (off - 0.5).abs() < NEXT_TO_EDGE;
+        if first_poor | second_poor | next_to_edge(first_off) | next_to_edge(second_off) {
+            return Common::Unsure;
+        }
+        let found = if self.odd {
+            // One of them is in the square: the one nearer to its centre.
+            [Some(if first_off < second_off { first } else { second }), None]
+        } else if (first_off <= 0.5) & (second_off <= 0.5) {
+            [Some(first), Some(second)]
+        } else {
+            // The outline says that both are in the square, or none.
+            [None, None]
+        };
+        nearest(ray, found).into()
+    }
+
     /// The depth of a point of the patch.
     #[inline(always)]
     fn depth(&self, u: f64, v: f64) -> f64 {
@@ -263,6 +292,7 @@ const CERTAIN_SIGN: f64 = 1.0 / 309_485_009_821_345_068_724_781_056.0;
 
 /// The first root in the interval of the ray. Two may round to the same `t`: the nearer one is nearer
 /// before that.
+#[inline(always)]
 fn nearest(ray: &Ray, [first, second]: [Option<Root>; 2]) -> Option<Root<f32>> {
     let ordered = match (first, second) {
         (Some(first), Some(second)) if second.t < first.t => [Some(second), Some(first)],
