@@ -136,6 +136,7 @@ fn textures(material: &Material) -> String {
         (material.color_tex, "color"),
         (material.emission_tex, "emission"),
         (material.roughness_tex, "roughness"),
+        (material.scattering_tex, "scattering"),
         (material.normal_tex, "normal"),
     ];
     let named: Vec<_> = all.iter().filter(|(index, _)| index.is_some()).map(|(_, n)| *n).collect();

@@ -50,6 +50,8 @@ pub struct Material {
     pub color_tex: Option<u32>,
     /// Its green scales roughness.
     pub roughness_tex: Option<u32>,
+    /// Scales what is scattered inside, by what it is where light enters.
+    pub scattering_tex: Option<u32>,
     /// A normal map.
     pub normal_tex: Option<u32>,
 }
@@ -70,6 +72,7 @@ impl Default for Material {
             emission_tex: None,
             color_tex: None,
             roughness_tex: None,
+            scattering_tex: None,
             normal_tex: None,
         }
     }

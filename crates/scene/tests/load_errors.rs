@@ -412,4 +412,9 @@ fn unknown_fields_are_told_once_each() {
         (named("materials[].shine"), named("materials[].glow"), named("weather")),
         (1, 1, 1)
     );
+    let by_name = r#"{ "materials": { "a.1": { "shine": 1 }, "b": { "shine": 2 } } }"#;
+    folder.write("scene.json", by_name);
+    let loaded = load(folder.path().join("scene.json"), &LoadOptions::default()).expect("loads");
+    let [warning] = &loaded.warnings[..] else { panic!("one: {:?}", loaded.warnings) };
+    assert_names("items by name", warning, &["materials[].shine"]);
 }

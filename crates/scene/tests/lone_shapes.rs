@@ -26,8 +26,8 @@ fn any_order_and_type_of_properties_means_the_same_in_every_encoding() {
     let header = "element vertex 2\nproperty uchar blue\nproperty double z\nproperty float u\n\
         property short x\nproperty list uchar ushort junk\nproperty float y\nproperty uchar red\n\
         property float radius\nproperty uchar green\nproperty float v\n\
-        element material 1\nproperty int kd\n\
-        element line 1\nproperty int flags\nproperty list int uint vertex_index";
+        element material 1\nproperty int64 kd\n\
+        element line 1\nproperty int flags\nproperty list int ulong vertex_index";
     let text = ascii(
         header,
         "255 3 0.25 1 2 7 8 2 0 0.5 128 0.75\n0 6 0.5 -4 0 5 255 0.125 0 1\n42\n9 2 1 0\n",
@@ -44,7 +44,7 @@ fn any_order_and_type_of_properties_means_the_same_in_every_encoding() {
             0.75_f32
         );
         put!(0_u8, 6_f64, 0.5_f32, -4_i16, 0_u8, 5_f32, 255_u8, 0.125_f32, 0_u8, 1_f32);
-        put!(42_i32, 9_i32, 2_i32, 1_u32, 0_u32);
+        put!(42_i64, 9_i32, 2_i32, 1_u64, 0_u64);
         bytes
     };
     for bytes in [text, binary("binary_little_endian", false), binary("binary_big_endian", true)] {

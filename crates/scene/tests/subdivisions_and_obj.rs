@@ -1,6 +1,6 @@
 //! Subdivision surfaces, and OBJ files.
 
-use rotund_geometry::glam::{Vec3, vec2};
+use rotund_geometry::glam::{Vec2, Vec3, vec2};
 use rotund_scene::{Elements, LoadOptions, Shape, load};
 use std::{collections::HashMap, fs};
 
@@ -85,6 +85,62 @@ fn a_flat_sheet_stays_flat_and_keeps_its_straight_borders() {
 }
 
 #[test]
+fn texture_coordinates_are_smoothed_inside_their_islands() {
+    // Four quads about a point that stands off the middle of the texture.
+    let mut sheet = String::new();
+    for y in 0..3_u8 {
+        for x in 0..3_u8 {
+            let (u, v) = if (x, y) == (1, 1) {
+                (0.9, 0.7)
+            } else {
+                (0.5 * f32::from(x), 0.5 * f32::from(y))
+            };
+            sheet += &format!("v {x} {y} 0\nvt {u} {v}\n");
+        }
+    }
+    for corner in [1, 2, 4, 5] {
+        let [a, b, c, d] = [0, 1, 4, 3].map(|step| corner + step);
+        sheet += &format!("f {a}/{a} {b}/{b} {c}/{c} {d}/{d}\n");
+    }
+    let once = |fields: &str| subdivided(&sheet, &format!(r#", "subdivisions": 1{fields}"#));
+    let smooth = once("").expect("subdivides");
+    let has = |shape: &Shape, uv: Vec2| shape.texcoords.iter().any(|own| own.distance(uv) < 1e-6);
+    // (F + 2 R + P) / 4 with P = (0.9, 0.3) and each of its eight neighbours about (0.5, 0.5): F is 0.25 of
+    // the way to P, R half of it.
+    let off = vec2(0.4, -0.2);
+    assert!(has(&smooth, vec2(0.5, 0.5) + 0.5625 * off), "a point inside: {:?}", smooth.texcoords);
+    // A mean of two ends and two face points: (0.5, 0) and P, and two of a quarter of P.
+    assert!(has(&smooth, vec2(0.5, 0.25) + 0.375 * off), "an edge inside");
+    for (x, y) in [(0.0, 0.0), (0.25, 0.0), (0.5, 0.0), (1.0, 0.75), (1.0, 1.0)] {
+        assert!(has(&smooth, vec2(x, y)), "the outline of an island stays: {x} {y}");
+    }
+    let split = once(r#", "catmullclark": false"#).expect("subdivides");
+    assert!(has(&split, vec2(0.9, 0.3)), "only split, all stay");
+}
+
+#[test]
+fn a_mesh_of_no_levels_keeps_the_normals_of_its_file_until_it_is_displaced() {
+    let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 1 0\n\
+        f 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/1/1\n";
+    let displaced = r#", "displacement": 0.5, "displacement_tex": 0"#;
+    let flat = r#", "displacement": 0, "displacement_tex": 0"#;
+    let table = [
+        ("as it is", "", Vec3::Y),
+        ("not smoothed", r#", "smooth": false"#, Vec3::Y),
+        ("displaced by nothing", flat, Vec3::Y),
+        ("displaced", displaced, Vec3::Z),
+        ("displaced, not smoothed", &format!(r#"{displaced}, "smooth": false"#), Vec3::Z),
+    ];
+    for (why, fields, normal) in table {
+        let shape = subdivided(sheet, fields).expect(why);
+        assert_eq!(shape.normals, [normal; 4], "{why}");
+        assert_eq!(quads(&shape), [[0, 1, 2, 2], [0, 2, 3, 3]], "{why}");
+    }
+    let split = subdivided(sheet, r#", "subdivisions": 1, "smooth": false"#).expect("splits");
+    assert_eq!(split.normals, []);
+}
+
+#[test]
 fn displacement_goes_along_the_normal_by_the_mean_of_the_texture_less_a_half() {
     // Eight bumps in eight pixels: black everywhere, whose pixels stand at the rims.
     let sheet =
@@ -96,7 +152,13 @@ fn displacement_goes_along_the_normal_by_the_mean_of_the_texture_less_a_half() {
 
 #[test]
 fn what_cannot_be_subdivided_is_refused() {
-    let table: [(&str, &str, &str, &[&str]); 4] = [
+    let table: [(&str, &str, &str, &[&str]); 5] = [
+        (
+            "nowhere in the texture",
+            CUBE,
+            r#", "displacement": 1, "displacement_tex": 0"#,
+            &["subdivs[0].displacement_tex", "no texture coordinates"],
+        ),
         ("points", "v 0 0 0\np 1\n", "", &["subdivs[0].uri", "a mesh"]),
         (
             "too many",
@@ -140,7 +202,7 @@ fn obj_faces_lines_and_points_keep_their_kind() {
     let table = [
         ("triangles", "f 1 2 3\nf -4 -2 -1\n", Elements::Triangles(vec![[0, 1, 2], [0, 2, 3]])),
         ("quads", "f 1 2 3 4\n", Elements::Quads(vec![[0, 1, 2, 3]])),
-        ("a polyline", "l 1 2 3\n", Elements::Lines(vec![[0, 1], [1, 2]])),
+        ("a polyline", "l 1 2 3 # along two sides\n", Elements::Lines(vec![[0, 1], [1, 2]])),
         ("points", "p 1 3\np 4\n", Elements::Points(3)),
         ("vertices alone", "usemtl gold\n", Elements::Points(4)),
     ];

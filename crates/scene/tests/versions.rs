@@ -8,7 +8,7 @@ use tempfile::TempDir;
 const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
     property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
     0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n";
 
 /// Files of all the folders, and `scene.json`.
 fn folder(scene: &str) -> TempDir {
@@ -138,6 +138,13 @@ fn all_versions_say_the_same() {
             "arrays with references by name",
             version_42("\"4.2\"").replace("\"shape\": 1", "\"shape\": \"thing\""),
         ),
+        (
+            "files without the folder that they are in",
+            version_42("\"4.2\"")
+                .replace("subdivs/monkey", "monkey")
+                .replace("shapes/thing", "thing")
+                .replace("textures/sky", "sky"),
+        ),
     ];
     for (why, text) in table {
         let folder = folder(&text);
@@ -168,6 +175,8 @@ fn a_material_without_a_type_is_what_it_reflects_and_lets_through() {
         (r#"{ "translucency": 1, "thin": false, "scattering": [0.4, 0.2, 0.1] }"#, Refractive),
         (r#"{ "type": "plastic", "transmission": 1 }"#, Glossy),
         (r#"{ "type": "metal" }"#, Reflective),
+        (r#"{ "type": "glass", "trdepth": 0.001 }"#, Refractive),
+        (r#"{ "type": "thinglass" }"#, Transparent),
     ];
     for (material, kind) in table {
         let folder = folder(&format!(r#"{{ "materials": {{ "m": {material} }} }}"#));
@@ -177,8 +186,37 @@ fn a_material_without_a_type_is_what_it_reflects_and_lets_through() {
         let text = format!(r#"{{ {asset}, "materials": [{versioned}] }}"#);
         fs::write(folder.path().join("scene.json"), text).expect("writes the scene");
         let kind = loaded(folder.path()).scene.materials[0].kind;
-        let metal = material.contains("metal\"");
-        assert_eq!(kind, if metal { Reflective } else { Matte }, "of version 4.2: {material}");
+        let typed = [("metal\"", Reflective), ("\"glass", Refractive), ("thinglass", Transparent)];
+        let expected = typed.iter().find(|(name, _)| material.contains(name)).map(|typed| typed.1);
+        assert_eq!(kind, expected.unwrap_or(Matte), "of version 4.2: {material}");
+    }
+}
+
+#[test]
+fn a_material_of_gltf_is_taken_for_the_nearest_kind_with_a_warning() {
+    for (metallic, kind) in [("0", MaterialKind::Glossy), ("1", MaterialKind::Reflective)] {
+        let folder = folder(&format!(
+            r#"{{ "materials": [{{ "type": "gltfpbr", "metallic": {metallic} }}] }}"#
+        ));
+        let loaded =
+            load(folder.path().join("scene.json"), &LoadOptions::default()).expect("loads");
+        assert_eq!(loaded.scene.materials[0].kind, kind);
+        let [warning] = &loaded.warnings[..] else { panic!("one warning: {:?}", loaded.warnings) };
+        assert!(warning.contains("materials[0].type") && warning.contains("gltfpbr"), "{warning}");
+    }
+}
+
+#[test]
+fn a_name_that_nothing_has_is_told_with_the_files_that_could_have_it() {
+    let table = [
+        ("\"shape\": \"floor\"", "\"shape\": \"cellar\"", "shapes/cellar.ply or .obj"),
+        ("\"emission_tex\": \"sky\"", "\"emission_tex\": \"earth\"", "textures/earth.hdr, .exr"),
+    ];
+    for (from, to, part) in table {
+        let folder = folder(&VERSION_40.replace(from, to));
+        let error = load(folder.path().join("scene.json"), &LoadOptions::default());
+        let message = error.expect_err(to).to_string();
+        assert!(message.contains(part), "{message}");
     }
 }
 

@@ -196,7 +196,8 @@ fn textures_and_vertex_colours_multiply() {
     shape.texcoords = vec![vec2(0.5, 0.5); 4];
     shape.colors = vec![Vec4::new(0.5, 1.0, 0.25, 0.5); 4];
     let mut scene = scene_of(shape, Affine3A::IDENTITY, MaterialKind::Reflective);
-    scene.textures = vec![four_pixels()];
+    let red = Texture { pixels: Pixels::Bytes(vec![[255, 0, 0, 255]; 4]), ..four_pixels() };
+    scene.textures = vec![four_pixels(), red];
     scene.materials[0] = Material {
         color: vec3(0.8, 0.6, 0.4),
         emission: Vec3::splat(2.0),
@@ -205,6 +206,8 @@ fn textures_and_vertex_colours_multiply() {
         color_tex: Some(0),
         emission_tex: Some(0),
         roughness_tex: Some(0),
+        scattering: vec3(0.5, 0.25, 1.0),
+        scattering_tex: Some(1),
         ..scene.materials[0].clone()
     };
     let point = scene.eval_material(0, 0, vec2(0.3, 0.3));
@@ -212,6 +215,7 @@ fn textures_and_vertex_colours_multiply() {
     assert_near(point.emission, vec3(1.0, 2.0, 0.5), "emission takes vertex colour as well");
     assert!((point.opacity - 0.5 * 0.2 * 0.5).abs() < 1e-6, "three opacities: {}", point.opacity);
     assert!((point.alpha - 0.25).abs() < 1e-6, "roughness times green: {}", point.alpha);
+    assert_near(point.scattering, vec3(0.5, 0.0, 0.0), "scattering times its texture");
 }
 
 #[test]

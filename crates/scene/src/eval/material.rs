@@ -26,7 +26,7 @@ impl Scene {
     }
 
     /// The material at a point: colour and emission times vertex colour and textures, opacity times
-    /// both alphas, roughness times the green of its texture.
+    /// both alphas, roughness times the green of its texture, scattering times its texture.
     ///
     /// Matte and glossy surfaces are at least a little rough; the others become perfectly smooth below
     /// the same bound, which is `alpha` 0.0009.
@@ -42,6 +42,7 @@ impl Scene {
         let texture = |index: Option<u32>| index.map(|index| &self.textures[index as usize]);
         let painted = texture(material.color_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
         let grain = texture(material.roughness_tex).map_or(Vec4::ONE, |t| t.data(texcoord));
+        let milk = texture(material.scattering_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
 
         let roughness = material.roughness * grain.y;
         let alpha = roughness * roughness;
@@ -68,7 +69,7 @@ impl Scene {
             alpha,
             ior: material.ior,
             density,
-            scattering: material.scattering,
+            scattering: (material.scattering * milk.truncate()).max(Vec3::ZERO),
             scanisotropy: material.scanisotropy,
         }
     }

@@ -203,6 +203,11 @@ fn subdivided(
     if !displacement.is_finite() {
         return Err(unfit("displacement", displacement.to_string(), "a finite number"));
     }
+    let displacement_tex = displacement_tex.filter(|_| displacement != 0.0);
+    if displacement_tex.is_some() && control.texcoords.is_empty() {
+        let expected = "none, for the mesh has no texture coordinates";
+        return Err(unfit("displacement_tex", "given".to_owned(), expected));
+    }
     Ok(subdivide::subdivide(
         control,
         &Subdivision {

@@ -131,19 +131,3 @@ pub(super) fn frame(
         expected: "a frame with three independent axes",
     })
 }
-
-/// `materials.3.shine` as `materials[].shine`.
-pub(super) fn without_indices(field: &str) -> String {
-    let mut result = String::new();
-    for part in field.split('.') {
-        if part.bytes().all(|byte| byte.is_ascii_digit()) {
-            result.push_str("[]");
-        } else {
-            if !result.is_empty() {
-                result.push('.');
-            }
-            result.push_str(part);
-        }
-    }
-    result
-}

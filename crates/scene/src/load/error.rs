@@ -23,7 +23,7 @@ pub enum LoadError {
     Value { path: PathBuf, field: String, value: String, expected: &'static str },
     #[error("{}: {field} is {value}, but the scene has {count} {what}", path.display())]
     IndexOutOfRange { path: PathBuf, field: String, value: i64, what: &'static str, count: usize },
-    #[error("{}: {field} names {name:?}, which is not among the {what}", path.display())]
+    #[error("{}: {field} names {name:?}, which is not among the {what}{}", path.display(), nor_a_file(what, name))]
     UnknownName { path: PathBuf, field: String, name: String, what: &'static str },
     #[error(
         "{}: {field} is {uri:?}, which leads out of the folder of the scene; allow it explicitly if you trust the file",
@@ -73,4 +73,14 @@ impl std::fmt::Display for NamedBy {
 /// `serde_path_to_error` calls the root `.`, which helps nobody.
 fn field_prefix(field: &str) -> String {
     if field.is_empty() || field == "." { String::new() } else { format!("{field}: ") }
+}
+
+/// What a name may mean beside an item of the scene file.
+fn nor_a_file(what: &str, name: &str) -> String {
+    let extensions = match what {
+        "shapes" => "ply or .obj",
+        "textures" => "hdr, .exr, .png or .jpg",
+        _ => return String::new(),
+    };
+    format!(", nor is there a file {what}/{name}.{extensions}")
 }

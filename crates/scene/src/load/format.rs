@@ -106,7 +106,9 @@ pub(super) enum MaterialType {
     Glossy,
     #[serde(alias = "metallic", alias = "metal")]
     Reflective,
+    #[serde(alias = "glass")]
     Refractive,
+    #[serde(alias = "thinglass")]
     Transparent,
     #[serde(alias = "volume")]
     Volumetric,

@@ -89,8 +89,7 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<SceneF
     let tracked = serde_path_to_error::Deserializer::new(&mut json, &mut track);
     let mut unknown = Vec::new();
     let result = serde_ignored::deserialize(tracked, |field| {
-        // Ten thousand materials with one odd field each are one oddity.
-        let field = check::without_indices(&field.to_string());
+        let field = without_items(&field);
         if !unknown.contains(&field) {
             unknown.push(field);
         }
@@ -102,3 +101,35 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<SceneF
     warnings.extend(unknown.into_iter().map(warning));
     Ok(file)
 }
+
+/// `materials[].shine` of any material, by index or by name: ten thousand with one odd field each are one
+/// oddity.
+fn without_items(path: &serde_ignored::Path<'_>) -> String {
+    use serde_ignored::Path;
+    let inside = |parent: &Path<'_>, key: &str| match without_items(parent) {
+        parent if parent.is_empty() => key.to_owned(),
+        // The names of a collection's items are keys of the second level.
+        parent if COLLECTIONS.contains(&parent.as_str()) => format!("{parent}[]"),
+        parent => format!("{parent}.{key}"),
+    };
+    match path {
+        Path::Root => String::new(),
+        Path::Seq { parent, .. } => format!("{}[]", without_items(parent)),
+        Path::Map { parent, key } => inside(parent, key),
+        Path::Some { parent }
+        | Path::NewtypeStruct { parent }
+        | Path::NewtypeVariant { parent } => without_items(parent),
+    }
+}
+
+/// What may be an object of items by name.
+const COLLECTIONS: [&str; 8] = [
+    "cameras",
+    "environments",
+    "textures",
+    "materials",
+    "shapes",
+    "subdivs",
+    "instances",
+    "objects",
+];

@@ -38,7 +38,8 @@ struct Reader {
 
 impl Reader {
     fn line(&mut self, line: &str) -> Result<(), String> {
-        let mut words = line.split_ascii_whitespace();
+        let said = line.split('#').next().unwrap_or_default();
+        let mut words = said.split_ascii_whitespace();
         let keyword = words.next().unwrap_or_default();
         match keyword {
             "v" => self.positions.push(Vec3::from(numbers(words)?)),

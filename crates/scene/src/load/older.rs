@@ -7,7 +7,8 @@
 //! | 4.2, 4.3, 5.0 | arrays | a `uri` from the folder of the scene | by index |
 //!
 //! Forms may be mixed, as in real files. The first files of version 4.0 have materials without a type: how
-//! much they reflect and let through says what they are.
+//! much they reflect and let through says what they are. Types went by other names in files of early 2021:
+//! `plastic`, `metal`, `glass`, `thinglass`; and `metallic` and `volume` until version 4.2.
 
 use super::{
     collection::{Collection, Reference},
@@ -17,19 +18,20 @@ use std::{collections::HashSet, path::Path};
 
 const SHAPES: &[&str] = &["ply", "obj"];
 const TEXTURES: &[&str] = &["hdr", "exr", "png", "jpg"];
+const SEPARATORS: [char; 2] = ['/', '\\'];
 
 /// Says everything as version 4.2 does, except for references by name.
 pub(super) fn spell_out(path: &Path, file: &mut SceneFile) {
     let folder = path.parent().unwrap_or(Path::new(""));
     file.instances.items.append(&mut file.objects.items);
     for (_, shape) in &mut file.shapes.items {
-        in_folder("shapes", shape.datafile.take(), &mut shape.uri);
+        in_folder(folder, "shapes", shape.datafile.take(), &mut shape.uri);
     }
     for (_, texture) in &mut file.textures.items {
-        in_folder("textures", texture.datafile.take(), &mut texture.uri);
+        in_folder(folder, "textures", texture.datafile.take(), &mut texture.uri);
     }
     for (key, subdiv) in &mut file.subdivs.items {
-        in_folder("subdivs", subdiv.datafile.take(), &mut subdiv.uri);
+        in_folder(folder, "subdivs", subdiv.datafile.take(), &mut subdiv.uri);
         if subdiv.uri.is_none() && subdiv.generator.is_none() {
             subdiv.uri = find(folder, "subdivs", key.as_ref().unwrap_or(&subdiv.name), SHAPES);
         }
@@ -57,10 +59,19 @@ fn kind_without_type(material: &MaterialFile) -> MaterialType {
     }
 }
 
-/// A `uri` for a `datafile`, unless there is one.
-fn in_folder(folder: &str, datafile: Option<String>, uri: &mut Option<String>) {
-    if let (Some(name), None) = (datafile, &uri) {
-        *uri = Some(format!("{folder}/{name}"));
+/// A `uri` for a `datafile`, unless there is one. A lone name of a file that stands only in the folder of
+/// its kind means that file: some converters to version 4.2 left the folder out.
+fn in_folder(folder: &Path, kind: &str, datafile: Option<String>, uri: &mut Option<String>) {
+    let inside = |name: &str| format!("{kind}/{name}");
+    match (&uri, datafile) {
+        (None, Some(name)) => *uri = Some(inside(&name)),
+        (Some(name), _) if !name.contains(SEPARATORS) && !folder.join(name).exists() => {
+            let moved = inside(name);
+            if folder.join(&moved).is_file() {
+                *uri = Some(moved);
+            }
+        }
+        _ => {}
     }
 }
 
@@ -90,6 +101,7 @@ fn list_what_is_only_named(folder: &Path, file: &mut SceneFile) {
         textures.extend(material.emission_tex.clone());
         textures.extend(material.color_tex.clone());
         textures.extend(material.roughness_tex.clone());
+        textures.extend(material.scattering_tex.clone());
         textures.extend(material.normal_tex.clone());
     }
     for name in missing(textures, &file.textures, |texture| &texture.name) {
@@ -122,7 +134,7 @@ fn missing<T>(
 
 /// Names with a separator in them are no names of files in a folder.
 fn find(folder: &Path, kind: &str, name: &str, extensions: &[&str]) -> Option<String> {
-    if name.is_empty() || name.contains(['/', '\\']) {
+    if name.is_empty() || name.contains(SEPARATORS) {
         return None;
     }
     let mut candidates = extensions.iter().map(|extension| format!("{kind}/{name}.{extension}"));

@@ -66,6 +66,7 @@ pub(super) fn resolve(
             emission_tex: texture("emission_tex", &material.emission_tex)?,
             color_tex: texture("color_tex", &material.color_tex)?,
             roughness_tex: texture("roughness_tex", &material.roughness_tex)?,
+            scattering_tex: texture("scattering_tex", &material.scattering_tex)?,
             normal_tex: texture("normal_tex", &material.normal_tex)?,
         });
     }
@@ -87,12 +88,6 @@ fn kind(
     material: &MaterialFile,
     warnings: &mut Vec<String>,
 ) -> MaterialKind {
-    let mut warn = |problem: &str| {
-        warnings.push(format!("{}: materials[{i}] {problem}", path.display()));
-    };
-    if material.scattering_tex.is_some() {
-        warn("has a scattering_tex, which is not supported: it scatters the same everywhere");
-    }
     match material.kind.unwrap_or_default() {
         MaterialType::Matte => MaterialKind::Matte,
         MaterialType::Glossy => MaterialKind::Glossy,
@@ -102,8 +97,16 @@ fn kind(
         MaterialType::Transparent => MaterialKind::Transparent,
         MaterialType::Volumetric => MaterialKind::Volumetric,
         MaterialType::GltfPbr => {
-            warn("is of a kind that is not supported: taken as glossy");
-            MaterialKind::Glossy
+            let (kind, name) = if material.metallic < 0.5 {
+                (MaterialKind::Glossy, "glossy")
+            } else {
+                (MaterialKind::Reflective, "reflective")
+            };
+            warnings.push(format!(
+                "{}: materials[{i}].type is gltfpbr, which is not supported: taken as {name}",
+                path.display()
+            ));
+            kind
         }
     }
 }

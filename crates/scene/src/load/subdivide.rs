@@ -4,7 +4,7 @@
 //! meshes", Computer-Aided Design 10(6), 1978; borders are B-spline curves.
 
 use crate::{Elements, Shape, Texture};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::collections::HashMap;
 
 /// What to do with a control mesh.
@@ -33,60 +33,108 @@ pub(super) fn quads_after(shape: &Shape, levels: u32) -> Option<u64> {
     Some(if levels == 0 { corners / 4 } else { corners.saturating_mul(more) })
 }
 
-/// A polygon: three or four corners, each a welded position and a texture coordinate of its own.
-#[derive(Clone, Copy)]
-struct Face {
-    corners: usize,
-    positions: [u32; 4],
-    texcoords: [Vec2; 4],
-}
-
-struct Surface {
-    positions: Vec<Vec3>,
+/// Points and the polygons over them: the positions of a mesh, or its texture coordinates, whose polygons
+/// are the same but hang together only where no seam is.
+struct Net {
+    points: Vec<Vec3>,
     faces: Vec<Face>,
 }
 
-/// The subdivided shape. Vertices in the same place are one, so seams of texture coordinates stay
-/// closed; texture coordinates are interpolated in each face.
+/// A polygon of three or four corners.
+#[derive(Clone, Copy)]
+struct Face {
+    corners: usize,
+    points: [u32; 4],
+}
+
+/// Where the points of a net go when its faces are split.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rule {
+    /// Nowhere.
+    Split,
+    /// Catmull and Clark's rule, with borders that become curves.
+    Smooth,
+    /// The same inside; borders stay, so that the islands of a texture keep their outlines.
+    SmoothInside,
+}
+
+struct Surface {
+    positions: Net,
+    /// Of the same faces; empty if there are none.
+    texcoords: Net,
+}
+
+/// The subdivided shape, in quads. Vertices in the same place are one, so seams of texture coordinates
+/// stay closed. Colours of vertices are lost, as in yocto-gl.
+///
+/// Without levels and displacement the mesh stays what it is, with the normals of its file.
 pub(super) fn subdivide(shape: &Shape, subdivision: &Subdivision<'_>) -> Shape {
+    if subdivision.levels == 0 && subdivision.displacement.is_none() {
+        let elements = match &shape.elements {
+            Elements::Triangles(triangles) => {
+                Elements::Quads(triangles.iter().map(|&[a, b, c]| [a, b, c, c]).collect())
+            }
+            elements => elements.clone(),
+        };
+        return Shape { elements, colors: Vec::new(), ..shape.clone() };
+    }
     let mut surface = weld(shape);
+    let (positions, texcoords) = if subdivision.catmull_clark {
+        (Rule::Smooth, Rule::SmoothInside)
+    } else {
+        (Rule::Split, Rule::Split)
+    };
     for _ in 0..subdivision.levels {
-        surface = surface.split(subdivision.catmull_clark);
+        surface.positions = surface.positions.split(positions);
+        surface.texcoords = surface.texcoords.split(texcoords);
     }
     if let Some((height, texture)) = subdivision.displacement {
         surface.displace(height, texture);
     }
-    surface.into_shape(shape, subdivision.smooth)
+    let kept = subdivision.levels == 0 && !shape.normals.is_empty();
+    surface.into_shape(shape, subdivision.smooth || kept)
 }
 
 fn weld(shape: &Shape) -> Surface {
     let mut places = HashMap::new();
-    let mut positions = Vec::new();
+    let mut positions = Net { points: Vec::new(), faces: Vec::new() };
     let welded: Vec<u32> = shape
         .positions
         .iter()
         .map(|&p| {
             // Adding zero makes one of the two zeros.
             *places.entry((p + 0.0).to_array().map(f32::to_bits)).or_insert_with(|| {
-                positions.push(p);
-                positions.len() as u32 - 1
+                positions.points.push(p);
+                positions.points.len() as u32 - 1
             })
         })
         .collect();
-    let texcoord = |v: u32| shape.texcoords.get(v as usize).copied().unwrap_or_default();
-    let face = |vertices: [u32; 4]| Face {
-        corners: if vertices[2] == vertices[3] { 3 } else { 4 },
-        positions: vertices.map(|v| welded[v as usize]),
-        texcoords: vertices.map(texcoord),
-    };
-    let faces = match &shape.elements {
-        Elements::Triangles(triangles) => {
-            triangles.iter().map(|&[a, b, c]| face([a, b, c, c])).collect()
+    let mut places = HashMap::new();
+    let mut texcoords = Net { points: Vec::new(), faces: Vec::new() };
+    let of_texture: Vec<u32> = welded
+        .iter()
+        .zip(&shape.texcoords)
+        .map(|(&place, &uv)| {
+            *places.entry((place, (uv + 0.0).to_array().map(f32::to_bits))).or_insert_with(|| {
+                texcoords.points.push(uv.extend(0.0));
+                texcoords.points.len() as u32 - 1
+            })
+        })
+        .collect();
+    let mut add = |vertices: [u32; 4]| {
+        let corners = if vertices[2] == vertices[3] { 3 } else { 4 };
+        let face = |of: &[u32]| Face { corners, points: vertices.map(|v| of[v as usize]) };
+        positions.faces.push(face(&welded));
+        if !of_texture.is_empty() {
+            texcoords.faces.push(face(&of_texture));
         }
-        Elements::Quads(quads) => quads.iter().map(|&quad| face(quad)).collect(),
-        Elements::Points(_) | Elements::Lines(_) => Vec::new(),
     };
-    Surface { positions, faces }
+    match &shape.elements {
+        Elements::Triangles(triangles) => triangles.iter().for_each(|&[a, b, c]| add([a, b, c, c])),
+        Elements::Quads(quads) => quads.iter().copied().for_each(add),
+        Elements::Points(_) | Elements::Lines(_) => {}
+    }
+    Surface { positions, texcoords }
 }
 
 #[derive(Clone, Copy, Default)]
@@ -112,16 +160,17 @@ struct Edge {
     faces: Mean,
 }
 
-impl Surface {
-    fn split(&self, smooth: bool) -> Self {
-        let vertices = self.positions.len() as u32;
+impl Net {
+    /// Four quads of each quad, three of each triangle.
+    fn split(&self, rule: Rule) -> Self {
+        let first_middle = self.points.len() as u32;
         let mut edges: Vec<Edge> = Vec::new();
         let mut edge_of = HashMap::new();
         let mut centers = Vec::new();
         for face in &self.faces {
-            let corners = &face.positions[..face.corners];
+            let corners = &face.points[..face.corners];
             let mut center = Mean::default();
-            corners.iter().for_each(|&v| center.add(self.positions[v as usize]));
+            corners.iter().for_each(|&v| center.add(self.points[v as usize]));
             centers.push(center.get());
             for (i, &a) in corners.iter().enumerate() {
                 let b = corners[(i + 1) % corners.len()];
@@ -133,54 +182,49 @@ impl Surface {
             }
         }
         let middle = |edge: &Edge| {
-            0.5 * (self.positions[edge.ends[0] as usize] + self.positions[edge.ends[1] as usize])
+            0.5 * (self.points[edge.ends[0] as usize] + self.points[edge.ends[1] as usize])
         };
-        let mut positions =
-            if smooth { self.smoothed(&edges, &centers, middle) } else { self.positions.clone() };
-        positions.extend(edges.iter().map(|edge| {
+        let mut points = match rule {
+            Rule::Split => self.points.clone(),
+            _ => self.smoothed(&edges, &centers, middle, rule),
+        };
+        points.extend(edges.iter().map(|edge| {
             // An edge of one face is a border.
-            if smooth && edge.faces.count > 1 {
+            if rule != Rule::Split && edge.faces.count > 1 {
                 0.5 * (middle(edge) + edge.faces.get())
             } else {
                 middle(edge)
             }
         }));
-        let first_center = positions.len() as u32;
-        positions.extend(centers);
-        let mut faces = Vec::new();
-        for (index, face) in self.faces.iter().enumerate() {
+        let first_center = points.len() as u32;
+        points.extend(centers);
+        let mut faces = Vec::with_capacity(4 * self.faces.len());
+        for (face, center) in self.faces.iter().zip(first_center..) {
             let n = face.corners;
             let middle_of = |i: usize| {
-                let (a, b) = (face.positions[i % n], face.positions[(i + 1) % n]);
-                let texcoord = 0.5 * (face.texcoords[i % n] + face.texcoords[(i + 1) % n]);
-                (vertices + edge_of[&(a.min(b), a.max(b))], texcoord)
+                let (a, b) = (face.points[i % n], face.points[(i + 1) % n]);
+                first_middle + edge_of[&(a.min(b), a.max(b))]
             };
-            let sum: Vec2 = face.texcoords[..n].iter().sum();
-            let center = (first_center + index as u32, sum / n as f32);
-            for i in 0..n {
-                let corner = (face.positions[i], face.texcoords[i]);
-                let around = [corner, middle_of(i), center, middle_of(i + n - 1)];
-                faces.push(Face {
-                    corners: 4,
-                    positions: around.map(|c| c.0),
-                    texcoords: around.map(|c| c.1),
-                });
-            }
+            faces.extend((0..n).map(|i| Face {
+                corners: 4,
+                points: [face.points[i], middle_of(i), center, middle_of(i + n - 1)],
+            }));
         }
-        Self { positions, faces }
+        Self { points, faces }
     }
 
-    /// Where the old vertices go: `(F + 2 R + (n - 3) P) / n` inside, a cubic B-spline on borders.
+    /// Where the old points go: `(F + 2 R + (n - 3) P) / n` inside, a cubic B-spline on borders.
     fn smoothed(
         &self,
         edges: &[Edge],
         centers: &[Vec3],
         middle: impl Fn(&Edge) -> Vec3,
+        rule: Rule,
     ) -> Vec<Vec3> {
-        let none = vec![Mean::default(); self.positions.len()];
+        let none = vec![Mean::default(); self.points.len()];
         let (mut faces, mut middles, mut borders) = (none.clone(), none.clone(), none);
         for (face, &center) in self.faces.iter().zip(centers) {
-            face.positions[..face.corners].iter().for_each(|&v| faces[v as usize].add(center));
+            face.points[..face.corners].iter().for_each(|&v| faces[v as usize].add(center));
         }
         for edge in edges {
             for end in edge.ends {
@@ -194,43 +238,46 @@ impl Surface {
             let n = faces[v].count as f32;
             match borders[v].count {
                 0 if n > 0.0 => (faces[v].get() + 2.0 * middles[v].get() + (n - 3.0) * p) / n,
-                2 => 0.5 * (p + borders[v].get()),
-                // Loose, or where borders cross: it stays.
+                2 if rule == Rule::Smooth => 0.5 * (p + borders[v].get()),
+                // Loose, on a border that stays, or where borders cross: it stays.
                 _ => p,
             }
         };
-        self.positions.iter().enumerate().map(place).collect()
+        self.points.iter().enumerate().map(place).collect()
     }
 
-    /// Sums of the normals of the faces around each vertex, by area.
+    /// Sums of the normals of the faces around each point, by area.
     fn normals(&self) -> Vec<Vec3> {
-        let mut normals = vec![Vec3::ZERO; self.positions.len()];
+        let mut normals = vec![Vec3::ZERO; self.points.len()];
         for face in &self.faces {
-            let [a, b, c, d] = face.positions.map(|v| self.positions[v as usize]);
+            let [a, b, c, d] = face.points.map(|v| self.points[v as usize]);
             let normal = (c - a).cross(d - b);
-            face.positions[..face.corners].iter().for_each(|&v| normals[v as usize] += normal);
+            face.points[..face.corners].iter().for_each(|&v| normals[v as usize] += normal);
         }
         normals.iter().map(|normal| normal.normalize_or_zero()).collect()
     }
+}
 
+impl Surface {
     fn displace(&mut self, height: f32, texture: &Texture) {
         let zero = if matches!(texture.pixels, crate::Pixels::Bytes(_)) { 0.5 } else { 0.0 };
-        let mut heights = vec![Mean::default(); self.positions.len()];
-        for face in &self.faces {
-            for (&vertex, &texcoord) in face.positions.iter().zip(&face.texcoords) {
+        let mut heights = vec![Mean::default(); self.positions.points.len()];
+        for (face, of_texture) in self.positions.faces.iter().zip(&self.texcoords.faces) {
+            for (&vertex, &uv) in face.points.iter().zip(&of_texture.points) {
                 // The mean where a seam of the texture meets: the surface stays closed.
-                heights[vertex as usize].add(texture.data(texcoord).truncate());
+                let uv = self.texcoords.points[uv as usize].truncate();
+                heights[vertex as usize].add(texture.data(uv).truncate());
             }
         }
-        let normals = self.normals();
-        for (v, position) in self.positions.iter_mut().enumerate() {
-            *position += normals[v] * (height * (heights[v].get().element_sum() / 3.0 - zero));
+        let normals = self.positions.normals();
+        for ((position, normal), own) in self.positions.points.iter_mut().zip(normals).zip(&heights)
+        {
+            *position += normal * (height * (own.get().element_sum() / 3.0 - zero));
         }
     }
 
     fn into_shape(self, control: &Shape, smooth: bool) -> Shape {
-        let normals = if smooth { self.normals() } else { Vec::new() };
-        let textured = !control.texcoords.is_empty();
+        let normals = if smooth { self.positions.normals() } else { Vec::new() };
         let mut shape = Shape {
             name: control.name.clone(),
             method: control.method,
@@ -242,17 +289,16 @@ impl Surface {
             radii: Vec::new(),
         };
         let mut vertices = HashMap::new();
-        let quads = self.faces.iter().map(|face| {
+        let quads = self.positions.faces.iter().enumerate().map(|(f, face)| {
+            let of_texture = self.texcoords.faces.get(f).map(|face| face.points);
             std::array::from_fn(|i| {
-                let (v, uv) = (face.positions[i] as usize, face.texcoords[i]);
-                *vertices.entry((v, uv.to_array().map(f32::to_bits))).or_insert_with(|| {
-                    shape.positions.push(self.positions[v]);
-                    if smooth {
-                        shape.normals.push(normals[v]);
-                    }
-                    if textured {
-                        shape.texcoords.push(uv);
-                    }
+                let (v, uv) = (face.points[i], of_texture.map(|points| points[i]));
+                *vertices.entry((v, uv)).or_insert_with(|| {
+                    shape.positions.push(self.positions.points[v as usize]);
+                    shape.normals.extend(normals.get(v as usize));
+                    shape
+                        .texcoords
+                        .extend(uv.map(|uv| self.texcoords.points[uv as usize].truncate()));
                     shape.positions.len() as u32 - 1
                 })
             })

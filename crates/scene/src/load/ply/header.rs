@@ -21,6 +21,9 @@ pub(super) enum Type {
     U16,
     I32,
     U32,
+    /// This and the next are none of Turk's, but yocto-gl knows them.
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -34,6 +37,8 @@ impl Type {
             "ushort" | "uint16" => Self::U16,
             "int" | "int32" => Self::I32,
             "uint" | "uint32" => Self::U32,
+            "long" | "int64" => Self::I64,
+            "ulong" | "uint64" => Self::U64,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
             _ => return None,
@@ -46,7 +51,7 @@ impl Type {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -61,9 +66,11 @@ impl Type {
             Self::U8 => f32::from(u8::MAX),
             Self::I16 => f32::from(i16::MAX),
             Self::U16 => f32::from(u16::MAX),
-            // 2^31 and 2^32 less 1, in f32.
+            // 2^31, 2^32, 2^63 and 2^64 less 1, in f32.
             Self::I32 => i32::MAX as f32,
             Self::U32 => u32::MAX as f32,
+            Self::I64 => i64::MAX as f32,
+            Self::U64 => u64::MAX as f32,
             Self::F32 | Self::F64 => 1.0,
         }
     }
