@@ -215,6 +215,21 @@ fn obj_faces_lines_and_points_keep_their_kind() {
 }
 
 #[test]
+fn a_normal_that_an_obj_does_not_have_is_left_out_with_a_warning() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("thing.obj");
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/2 3/1/3\n";
+    fs::write(&path, text).expect("writes the mesh");
+    let loaded = load(&path, &LoadOptions::default()).expect("loads");
+    assert_eq!(loaded.scene.shapes[1].normals, []);
+    assert_eq!(loaded.scene.shapes[1].texcoords.len(), 3, "all else stays");
+    let [warning] = &loaded.warnings[..] else { panic!("one warning: {:?}", loaded.warnings) };
+    for part in ["thing.obj", "line 6", "\"2/1/2\"", "normal 2", "there are 1"] {
+        assert!(warning.contains(part), "{part:?} is not in {warning:?}");
+    }
+}
+
+#[test]
 fn bad_obj_lines_are_named() {
     let table: [(&str, &str, &[&str]); 7] = [
         ("too few numbers", "v 0 0\n", &["line 1", "3 numbers"]),

@@ -16,6 +16,8 @@ pub(crate) struct Mesh {
     pub points: Vec<u32>,
     pub lines: Vec<[u32; 2]>,
     pub faces: Faces,
+    /// What about the file was odd but not wrong.
+    pub oddity: Option<String>,
 }
 
 /// Triangles until the first quad comes.
@@ -86,6 +88,7 @@ impl Mesh {
     ) -> Result<Shape, LoadError> {
         self.check_kinds(path)?;
         self.check_vertices(path, warnings)?;
+        warnings.extend(self.oddity.take().map(|oddity| format!("{}: {oddity}", path.display())));
         let count = self.positions.len();
         let elements = if !self.faces.is_empty() {
             match std::mem::take(&mut self.faces) {

@@ -13,6 +13,7 @@ pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
     let text = String::from_utf8_lossy(&bytes);
     let mut reader = Reader::default();
     for (number, line) in text.lines().enumerate() {
+        reader.line_number = number + 1;
         reader.line(line).map_err(|problem| LoadError::ObjLine {
             path: path.to_owned(),
             line: number + 1,
@@ -27,6 +28,8 @@ type Corner = (u32, Option<u32>, Option<u32>);
 
 #[derive(Default)]
 struct Reader {
+    /// For messages.
+    line_number: usize,
     positions: Vec<Vec3>,
     texcoords: Vec<Vec2>,
     normals: Vec<Vec3>,
@@ -64,7 +67,8 @@ impl Reader {
         Ok(())
     }
 
-    /// A vertex of the mesh for a word like `1`, `1/2`, `1//3` or `1/2/3`.
+    /// A vertex of the mesh for a word like `1`, `1/2`, `1//3` or `1/2/3`. A normal that is not there is no
+    /// error: yocto-gl has written such files, and reads them where nobody asks for the normals.
     fn vertex(&mut self, word: &str) -> Result<u32, String> {
         let mut parts = word.split('/');
         let mut index = |count: usize, what: &str| match parts.next() {
@@ -84,7 +88,13 @@ impl Reader {
         let position = index(self.positions.len(), "vertex")?
             .ok_or_else(|| format!("{word:?} names no vertex"))?;
         let texcoord = index(self.texcoords.len(), "texture coordinate")?;
-        let normal = index(self.normals.len(), "normal")?;
+        let normal = index(self.normals.len(), "normal").unwrap_or_else(|problem| {
+            let line = self.line_number;
+            self.mesh.oddity.get_or_insert_with(|| {
+                format!("line {line}: {problem}; no normals are taken from the file")
+            });
+            None
+        });
         let corner = (position, texcoord, normal);
         let next = self.corners.len() as u32;
         let vertex = *self.vertices.entry(corner).or_insert(next);
