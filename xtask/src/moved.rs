@@ -10,11 +10,10 @@ use crate::cancel::Cancelled;
 use crate::console::{Table, say};
 use crate::difference::Difference;
 use crate::difference::metrics::Metrics;
-use crate::kinds::{KindArgs, enhance};
+use crate::kinds::enhance;
 use crate::output::{prepare_folder, write_text};
 use crate::picture::{Picture, write_png};
-use crate::scene_source::{LoadArgs, load};
-use crate::shot::{ShotArgs, take};
+use crate::shot::{PictureArgs, take};
 use anyhow::{Result, bail};
 use glam::{DAffine3, DVec3};
 use rotund_scene::Scene;
@@ -45,11 +44,7 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    kinds: KindArgs,
-    #[command(flatten)]
-    shot: ShotArgs,
-    #[command(flatten)]
-    loading: LoadArgs,
+    picture: PictureArgs,
 }
 
 /// A picture that should be the same.
@@ -60,11 +55,10 @@ struct Variant {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let mut source = load(&args.scene, &args.loading)?;
-    let (camera, options) = args.shot.resolve(&source)?;
+    let (mut source, camera, options) = args.picture.load(&args.scene)?;
     let folder = args.out.unwrap_or_else(|| Path::new("out").join(source.name.clone() + "-moved"));
     prepare_folder(&folder)?;
-    enhance(&mut source.scene, &args.kinds.kinds());
+    enhance(&mut source.scene, &args.picture.kinds.kinds());
     let scene = source.scene;
 
     let seed = options.seed;
@@ -81,7 +75,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
 
     let picture = |scene: &Scene, seed, label: &str| -> Result<Picture> {
         let options = rotund_trace::Options { seed, ..options.clone() };
-        let shot = args.shot.with_threads(|| take(scene, camera, &options, label))?;
+        let shot = args.picture.shot.with_threads(|| take(scene, camera, &options, label))?;
         if shot.interrupted {
             bail!(Cancelled(format!("{} holds the pictures before {label}", folder.display())));
         }

@@ -9,11 +9,10 @@ use crate::accuracy::report::chart::{self, Labels, Series};
 use crate::cancel::Cancelled;
 use crate::console::{Table, say};
 use crate::difference::metrics::noise;
-use crate::kinds::{KindArgs, enhance};
+use crate::kinds::enhance;
 use crate::output::{check_file, write_text};
 use crate::picture::Picture;
-use crate::scene_source::{LoadArgs, load};
-use crate::shot::{ShotArgs, take_on};
+use crate::shot::{PictureArgs, take_on};
 use anyhow::{Result, bail};
 use rotund_scene::Trees;
 use rotund_trace::{Film, Options, Sequence};
@@ -42,11 +41,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE.html", default_value = "noise.html")]
     out: PathBuf,
     #[command(flatten)]
-    kinds: KindArgs,
-    #[command(flatten)]
-    shot: ShotArgs,
-    #[command(flatten)]
-    loading: LoadArgs,
+    picture: PictureArgs,
 }
 
 /// After so many samples and seconds.
@@ -59,8 +54,7 @@ struct Reading {
 pub(crate) fn run(args: Args) -> Result<()> {
     check_file(&args.out)?;
     let reference = Picture::read(&args.reference)?;
-    let mut scene = load(&args.scene, &args.loading)?;
-    let (camera, options) = args.shot.resolve(&scene)?;
+    let (mut scene, camera, options) = args.picture.load(&args.scene)?;
     let size = (options.width as usize, options.height as usize);
     if size != (reference.width, reference.height) {
         bail!(
@@ -72,7 +66,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
             size.1
         );
     }
-    enhance(&mut scene.scene, &if args.vanilla { Vec::new() } else { args.kinds.kinds() });
+    enhance(&mut scene.scene, &if args.vanilla { Vec::new() } else { args.picture.kinds.kinds() });
     let trees = Trees::build(&scene.scene);
     let mut table = Table::new(&["sampler", "samples", "seconds", "noise", "seconds x noise"]);
     let mut curves = Vec::new();
@@ -95,7 +89,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
             }
             reading_time += start.elapsed() - now;
         };
-        let shot = args.shot.with_threads(|| {
+        let shot = args.picture.shot.with_threads(|| {
             let film = Film::new(&options);
             take_on(film, &scene.scene, &trees, camera, &options, name, &mut read)
         })?;

@@ -3,11 +3,10 @@
 use crate::cancel::Cancelled;
 use crate::checkpoint::{self, Checkpoint, CheckpointArgs};
 use crate::console::say;
-use crate::kinds::{KindArgs, enhance};
+use crate::kinds::enhance;
 use crate::output::check_image_file;
 use crate::progress::rays_per_second;
-use crate::scene_source::{LoadArgs, load};
-use crate::shot::{ShotArgs, brought_near, odd_samples, take_on};
+use crate::shot::{PictureArgs, brought_near, odd_samples, take_on};
 use anyhow::{Result, bail};
 use rotund_scene::Trees;
 use rotund_trace::{Film, Options, View, output};
@@ -103,13 +102,9 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value = "enhanced")]
     mode: Mode,
     #[command(flatten)]
-    kinds: KindArgs,
-    #[command(flatten)]
-    shot: ShotArgs,
+    picture: PictureArgs,
     #[command(flatten)]
     checkpoint: CheckpointArgs,
-    #[command(flatten)]
-    loading: LoadArgs,
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
@@ -120,18 +115,17 @@ pub(crate) fn run(args: Args) -> Result<()> {
             bail!("cannot write layers to {}: only an exr holds them", out.display());
         }
     }
-    let mut scene = load(&args.scene, &args.loading)?;
-    let (camera, options) = args.shot.resolve(&scene)?;
+    let (mut scene, camera, options) = args.picture.load(&args.scene)?;
     let shard = args.checkpoint.shard.unwrap_or_default();
     let options = Options { view: args.view.view(), shard, ..options };
     let (label, kinds) = match args.mode {
         Mode::Vanilla => ("vanilla", Vec::new()),
-        Mode::Enhanced => ("enhanced", args.kinds.kinds()),
+        Mode::Enhanced => ("enhanced", args.picture.kinds.kinds()),
     };
     enhance(&mut scene.scene, &kinds);
     let label_of_film = checkpoint::label(&scene, camera, &options);
     let (film, mut checkpoint) = args.checkpoint.open(&options, label_of_film)?;
-    let (shot, layers) = args.shot.with_threads(|| {
+    let (shot, layers) = args.picture.shot.with_threads(|| {
         // Positions are told as they are; light does not care where the origin is.
         let shows_light = options.view == View::Path && !args.layers;
         let near = if shows_light {

@@ -1,8 +1,9 @@
 //! One render: trees, lights, samples, and how long each took.
 
 use crate::cancel::Cancel;
+use crate::kinds::KindArgs;
 use crate::progress::Meter;
-use crate::scene_source::{NamedScene, find_camera};
+use crate::scene_source::{LoadArgs, NamedScene, find_camera, load};
 use anyhow::{Context, Result};
 use rotund_scene::{Scene, Trees};
 use rotund_trace::{Film, Lights, Options, Sequence, resume};
@@ -53,6 +54,26 @@ pub(crate) struct ShotArgs {
     /// Threads to render with; one for each processor if not given. The picture is the same.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 10))]
     pub(crate) threads: Option<u32>,
+}
+
+/// The options of a command that takes pictures of a scene.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct PictureArgs {
+    #[command(flatten)]
+    pub(crate) kinds: KindArgs,
+    #[command(flatten)]
+    pub(crate) shot: ShotArgs,
+    #[command(flatten)]
+    loading: LoadArgs,
+}
+
+impl PictureArgs {
+    /// Loads the scene; with it the index of the camera, and the options of the render.
+    pub(crate) fn load(&self, scene: &str) -> Result<(NamedScene, usize, Options)> {
+        let scene = load(scene, &self.loading)?;
+        let (camera, options) = self.shot.resolve(&scene)?;
+        Ok((scene, camera, options))
+    }
 }
 
 impl ShotArgs {

@@ -6,11 +6,10 @@
 //! `report.html`. Several scenes get a page `index.html` above their folders.
 
 use crate::console::say;
-use crate::kinds::KindArgs;
 use crate::output::{prepare_folder, write_text};
 use crate::report::index::{self, Entry};
-use crate::scene_source::{LoadArgs, bundled, load};
-use crate::shot::ShotArgs;
+use crate::scene_source::bundled;
+use crate::shot::PictureArgs;
 use anyhow::{Result, bail};
 use comparison::Comparison;
 use serde_json::Value;
@@ -46,11 +45,7 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    kinds: KindArgs,
-    #[command(flatten)]
-    shot: ShotArgs,
-    #[command(flatten)]
-    loading: LoadArgs,
+    picture: PictureArgs,
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
@@ -86,13 +81,12 @@ pub(crate) fn run(args: Args) -> Result<()> {
 
 /// Compares one scene and prints its table; returns its metrics, its page and its place in the index.
 fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathBuf, Entry)> {
-    let mut scene = load(name, &args.loading)?;
-    let (camera, options) = args.shot.resolve(&scene)?;
+    let (mut scene, camera, options) = args.picture.load(name)?;
     let folder = folder.unwrap_or_else(|| Path::new("out").join(&scene.name));
     prepare_folder(&folder)?;
-    let kinds = args.kinds.kinds();
+    let kinds = args.picture.kinds.kinds();
     let equal_time = !args.no_equal_time;
-    let comparison = args.shot.with_threads(|| {
+    let comparison = args.picture.shot.with_threads(|| {
         Comparison::render(&mut scene, camera, &options, &kinds, equal_time, &folder)
     })??;
     comparison.write(&folder)?;
