@@ -6,9 +6,10 @@ use crate::picture::Picture;
 use glam::Vec3;
 
 const BINS: usize = 64;
-/// Size of the drawing in its own units, and the room below for numbers.
-const SIZE: (f64, f64) = (640.0, 200.0);
+/// Size of the drawing in its own units, and the room below and to the left for numbers.
+const SIZE: (f64, f64) = (600.0, 200.0);
 const FOOT: f64 = 24.0;
+const SIDE: f64 = 56.0;
 
 /// The lightness of all pixels of two pictures, as a screen shows it, from black to white.
 pub(super) fn of_lightness(vanilla: &Picture, enhanced: &Picture) -> String {
@@ -43,9 +44,9 @@ fn draw(curves: &[(&str, [u32; BINS])], ticks: [&str; 3]) -> String {
     let most = curves.iter().flat_map(|(_, bins)| bins).copied().max().unwrap_or(0).max(1);
     let level = |count: u32| height * (1.0 - f64::from(count).ln_1p() / f64::from(most).ln_1p());
     let mut svg = format!(
-        "<svg class=\"histogram\" viewBox=\"-4 -4 {} {}\" role=\"img\" aria-label=\"Histogram\">",
-        width + 8.0,
-        height + FOOT + 4.0
+        "<svg class=\"histogram\" viewBox=\"-{SIDE} -8 {} {}\" role=\"img\" aria-label=\"Histogram\">",
+        SIDE + width + 4.0,
+        height + FOOT + 8.0
     );
     // Powers of ten: how many pixels.
     let mut power = 1_u32;
@@ -53,8 +54,8 @@ fn draw(curves: &[(&str, [u32; BINS])], ticks: [&str; 3]) -> String {
         let y = level(power);
         svg += &format!(
             "<line class=\"grid\" x1=\"0\" x2=\"{width}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>\
-             <text x=\"{width}\" y=\"{:.1}\" text-anchor=\"end\">{power}</text>",
-            y - 3.0
+             <text x=\"-6\" y=\"{:.1}\" text-anchor=\"end\">{power}</text>",
+            y + 5.0
         );
         let Some(next) = power.checked_mul(10) else { break };
         power = next;
