@@ -57,7 +57,7 @@ pub(super) fn measure<P: Primitive>(
     }
     progress.stage("making rays");
     let volleys = shoot::volleys(&tree, target, form);
-    let again = || cpu_seconds(primitives, isa);
+    let again = || Ok(on_one_thread(primitives, isa)?.1);
     let rounds = rounds(subject, &tree, &volleys, form, args, again, &progress)?;
     progress.stage("shooting on all threads");
     let builds = rounds.iter().filter_map(|round| round.build_seconds);
@@ -99,6 +99,7 @@ pub(super) fn measure<P: Primitive>(
     Ok(Some(Sheet { scene: scene.to_owned(), rows, visits }))
 }
 
+/// Builds the tree twice, and holds one of them at a time: the largest scene that fits is limited by that.
 fn build<P: Primitive>(
     primitives: &[P],
     isa: Isa,
@@ -106,26 +107,27 @@ fn build<P: Primitive>(
 ) -> Result<(P::Tree, Building)> {
     progress.stage("building the tree");
     // Before anything else of this size has come and gone, so that the peak is that of the build.
-    let ((tree, seconds), peak_bytes) = memory::peak_of(|| {
+    let ((bytes, seconds), peak_bytes) = memory::peak_of(|| {
         let start = Instant::now();
         let tree = P::build(primitives, isa);
-        (tree, start.elapsed().as_secs_f64())
+        let seconds = start.elapsed().as_secs_f64();
+        (tree.statistics().bytes, seconds)
     });
     let again = format!("building it again on one thread (on all it took {seconds:.1} s)");
     progress.stage(&again);
-    let cpu_seconds = cpu_seconds(primitives, isa)?;
+    let (tree, cpu_seconds) = on_one_thread(primitives, isa)?;
     // What is smaller than the tree was served from memory that the process held already.
-    let peak_bytes = peak_bytes.filter(|&peak| peak >= tree.statistics().bytes as f64);
+    let peak_bytes = peak_bytes.filter(|&peak| peak >= bytes as f64);
     Ok((tree, Building { cpu_seconds, seconds, peak_bytes }))
 }
 
-/// What a build costs: the seconds of the one thread that does it.
-fn cpu_seconds<P: Primitive>(primitives: &[P], isa: Isa) -> Result<f64> {
+/// A tree, and what it costs to build it: the seconds of the one thread that does it.
+fn on_one_thread<P: Primitive>(primitives: &[P], isa: Isa) -> Result<(P::Tree, f64)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     Ok(pool.install(|| {
         let start = ThreadTime::now();
-        drop(P::build(primitives, isa));
-        start.elapsed().as_secs_f64()
+        let tree = P::build(primitives, isa);
+        (tree, start.elapsed().as_secs_f64())
     }))
 }
 
@@ -213,9 +215,11 @@ fn print(scene: &str, rows: &[Row], tree: &Statistics, building: &Building) -> R
     let Some(first) = rows.first() else { return Ok(()) };
     let peer = first.peer_build_seconds.map(|s| format!(" (peer {s:.3})")).unwrap_or_default();
     let peak = first.peak_bytes_per_primitive.map(|peak| format!(", {peak:.1} at the peak"));
+    // Primitives, rays and all.
+    let process = memory::peak_gib().map(|gib| format!(" ({gib:.2} GiB of the process)"));
     say(format!(
         "{scene}, {}, {}: {} primitives, built in {:.3} CPU seconds{peer}, {:.3} s on {} threads; \
-         {:.1} bytes each{}; {} nodes {:.0} % full, {} leaves of {:.1}, depth {}, SAH {:.1}",
+         {:.1} bytes each{}{}; {} nodes {:.0} % full, {} leaves of {:.1}, depth {}, SAH {:.1}",
         first.form,
         first.isa,
         tree.primitives,
@@ -224,6 +228,7 @@ fn print(scene: &str, rows: &[Row], tree: &Statistics, building: &Building) -> R
         rayon::current_num_threads(),
         first.bytes_per_primitive,
         peak.unwrap_or_default(),
+        process.unwrap_or_default(),
         tree.nodes,
         100.0 * tree.children as f64 / (8 * tree.nodes.max(1)) as f64,
         tree.leaves,

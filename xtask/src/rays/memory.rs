@@ -18,6 +18,11 @@ pub(super) fn free_gib() -> Option<f64> {
     field("/proc/meminfo", "MemAvailable:").map(|bytes| bytes * GIB_PER_BYTE)
 }
 
+/// What the process held at most since [`peak_of`] began last, or since it started.
+pub(super) fn peak_gib() -> Option<f64> {
+    field("/proc/self/status", "VmHWM:").map(|bytes| bytes * GIB_PER_BYTE)
+}
+
 /// Bytes of a line such as `VmRSS:  120 kB`.
 fn field(path: &str, key: &str) -> Option<f64> {
     let text = std::fs::read_to_string(path).ok()?;
