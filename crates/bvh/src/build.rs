@@ -1,30 +1,27 @@
 //! Top-down construction of a wide tree.
 //!
-//! A node starts as one range of records; the range with the largest surface is cut in two until
-//! there are [`WIDTH`] of them or all are leaves. Cutting on the way down costs no more than
-//! collapsing a finished binary tree, and needs none.
-//!
-//! Large ranges are cut first and become tasks; the tasks run in parallel, each into its own
-//! vectors, which are joined in order. What a task does depends on its records alone, so the tree
+//! At the top, where ranges are large, a node starts as one range of records; the range with the largest
+//! surface is cut in two until there are [`WIDTH`] of them. What is left are tasks that run in parallel, each
+//! a binary tree that is folded into wide nodes (`fold.rs`), each into its own vectors, which are joined in order. What a task does depends on its records alone, so the tree
 //! is the same for any number of threads.
 
+use crate::fold;
 use crate::huge;
 use crate::isa::Isa;
 use crate::node::{Child, Node, Tree, WIDTH};
 use crate::record::{Extent, Record};
-use crate::sah::{Costs, Split, find_split, partition};
+use crate::sah::{Split, find_split, partition};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Levels of wide nodes that follow the heuristic. Below, ranges are cut in halves, so that a tree
-/// over adversarial boxes stays flat enough for [`MAX_DEPTH`].
-const SAH_DEPTH: usize = 24;
+/// Ranges cut out of the whole by as many cuts as this follow the heuristic. Below, ranges are cut in halves, so that
+/// a tree over adversarial boxes stays flat enough for [`MAX_DEPTH`].
+pub(crate) const SAH_DEPTH: usize = 64;
 
-/// The deepest leaf has at most this many nodes above it: a full range of 2^31 records that is
-/// halved has less than twelve levels of eight-wide nodes.
-pub(crate) const MAX_DEPTH: usize = SAH_DEPTH + 12;
+/// The deepest leaf has at most this many nodes above it: 2^31 records are halved less than 32 times.
+pub(crate) const MAX_DEPTH: usize = SAH_DEPTH + 32;
 
 /// Ranges up to this length are built by one thread: a whole tree of no more than this by the caller's, without
 /// waking, or starting, a pool of others.
@@ -48,7 +45,7 @@ pub(crate) struct Built {
 /// # Panics
 ///
 /// If there are more than [`MAX_PRIMITIVES`].
-pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &Costs) -> Built {
+pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size: u32) -> Built {
     assert!(
         count <= MAX_PRIMITIVES,
         "a tree holds at most {MAX_PRIMITIVES} boxes, not {count}: split the scene in several trees"
@@ -75,16 +72,12 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
         return Built { tree, records, leaves: Vec::new() };
     }
 
-    let method = Method { costs: *costs, isa: Isa::default_set() };
+    let method = Method { leaf_size: leaf_size as usize, isa: Isa::default_set() };
     let extent = Extent::of(&records, method.isa);
-    let plan = plan(&mut records, 0, extent, 0, &method);
+    let whole = Part { records: &mut records, start: 0, extent, depth: 0 };
     let mut tasks = Vec::new();
-    let plan = plan.collect(&mut tasks);
-    let run = |task: Task| {
-        let mut output = Output::default();
-        output.root = output.subtree(task.records, task.start, &task.extent, task.depth, &method);
-        output
-    };
+    let plan = plan(whole, &method).collect(&mut tasks);
+    let run = |task: Part| fold::subtree(task, &method);
     let outputs: Vec<Output> = if tasks.len() == 1 {
         tasks.into_iter().map(run).collect()
     } else {
@@ -113,63 +106,40 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, costs: &C
 }
 
 /// How the tree is built.
-struct Method {
-    costs: Costs,
+pub(crate) struct Method {
+    /// Records in a leaf, at most.
+    pub(crate) leaf_size: usize,
     /// What the tree is does not depend on it, only how soon it is there.
-    isa: Isa,
+    pub(crate) isa: Isa,
 }
 
-/// The ranges that become the children of one node, largest surface cut first.
-fn cut<'a>(
-    records: &'a mut [Record],
-    start: usize,
-    extent: Extent,
-    depth: usize,
-    method: &Method,
-) -> Vec<Part<'a>> {
-    let mut parts: Vec<Part> = Vec::with_capacity(WIDTH);
-    parts.push(Part { records, start, extent });
-    while parts.len() < WIDTH {
-        let splittable = |part: &Part| part.records.len() > method.costs.leaf_size as usize;
-        let key = |part: &Part| {
-            // Past the depth where the heuristic rules, the longest range is halved instead.
-            if depth < SAH_DEPTH { part.extent.half_area() } else { part.records.len() as f32 }
-        };
-        let Some(widest) = (0..parts.len())
-            .filter(|&i| splittable(&parts[i]))
-            .max_by(|&a, &b| key(&parts[a]).total_cmp(&key(&parts[b])))
-        else {
-            break;
-        };
-        let Part { records, start, extent } = parts.swap_remove(widest);
+/// A range of records.
+pub(crate) struct Part<'a> {
+    pub(crate) records: &'a mut [Record],
+    /// Where they are among all.
+    pub(crate) start: usize,
+    pub(crate) extent: Extent,
+    /// Cuts that led here.
+    pub(crate) depth: usize,
+}
+
+impl<'a> Part<'a> {
+    /// Cuts it in two.
+    pub(crate) fn cut(self, method: &Method) -> [Self; 2] {
+        let Part { records, start, extent, depth } = self;
         let split = if depth < SAH_DEPTH {
-            find_split(records, &extent, &method.costs, method.isa)
+            find_split(records, &extent, method.leaf_size as u32, method.isa)
         } else {
             Split::Middle
         };
         let (count, left, right) = partition(records, split, method.isa);
         let (low, high) = records.split_at_mut(count);
-        parts.push(Part { records: low, start, extent: left });
-        parts.push(Part { records: high, start: start + count, extent: right });
+        let depth = depth + 1;
+        [
+            Part { records: low, start, extent: left, depth },
+            Part { records: high, start: start + count, extent: right, depth },
+        ]
     }
-    // Back in the order of their records, so that a depth-first walk reads memory forwards.
-    parts.sort_by_key(|part| part.start);
-    parts
-}
-
-/// A range of records below one slot of a node.
-struct Part<'a> {
-    records: &'a mut [Record],
-    start: usize,
-    extent: Extent,
-}
-
-/// A range short enough for one thread.
-struct Task<'a> {
-    records: &'a mut [Record],
-    start: usize,
-    extent: Extent,
-    depth: usize,
 }
 
 /// The top of the tree: nodes over tasks, or over indices of tasks.
@@ -178,30 +148,30 @@ enum Plan<T> {
     Task(T),
 }
 
-fn plan<'a>(
-    records: &'a mut [Record],
-    start: usize,
-    extent: Extent,
-    depth: usize,
-    method: &Method,
-) -> Plan<Task<'a>> {
-    if records.len() <= TASK {
-        return Plan::Task(Task { records, start, extent, depth });
+fn plan<'a>(whole: Part<'a>, method: &Method) -> Plan<Part<'a>> {
+    if whole.records.len() <= TASK {
+        return Plan::Task(whole);
     }
-    let parts = cut(records, start, extent, depth, method);
-    let children = parts
-        .into_par_iter()
-        .map(|part| {
-            let bounds = part.extent.bounds();
-            (bounds, plan(part.records, part.start, part.extent, depth + 1, method))
-        })
-        .collect();
-    Plan::Node(children)
+    let mut parts = vec![whole];
+    while parts.len() < WIDTH {
+        let Some(widest) = (0..parts.len())
+            .filter(|&i| parts[i].records.len() > method.leaf_size)
+            .max_by(|&a, &b| parts[a].extent.half_area().total_cmp(&parts[b].extent.half_area()))
+        else {
+            break;
+        };
+        let halves = parts.swap_remove(widest).cut(method);
+        parts.extend(halves);
+    }
+    // Back in the order of their records, so that a depth-first walk reads memory forwards.
+    parts.sort_by_key(|part| part.start);
+    let child = |part: Part<'a>| (part.extent.bounds(), plan(part, method));
+    Plan::Node(parts.into_par_iter().map(child).collect())
 }
 
-impl<'a> Plan<Task<'a>> {
+impl<'a> Plan<Part<'a>> {
     /// Moves the tasks out, in order, and leaves their indices.
-    fn collect(self, tasks: &mut Vec<Task<'a>>) -> Plan<usize> {
+    fn collect(self, tasks: &mut Vec<Part<'a>>) -> Plan<usize> {
         match self {
             Plan::Task(task) => {
                 tasks.push(task);
@@ -242,40 +212,10 @@ impl Plan<usize> {
 }
 
 /// What one task made, with indices that start at zero.
-struct Output {
-    nodes: Vec<Node>,
-    leaves: Vec<Range<u32>>,
-    root: Child,
-}
-
-impl Default for Output {
-    fn default() -> Self {
-        Self { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE }
-    }
-}
-
-impl Output {
-    fn subtree(
-        &mut self,
-        records: &mut [Record],
-        start: usize,
-        extent: &Extent,
-        depth: usize,
-        method: &Method,
-    ) -> Child {
-        if records.len() <= method.costs.leaf_size as usize {
-            let leaf = self.leaves.len() as u32;
-            self.leaves.push(start as u32..(start + records.len()) as u32);
-            return Child::leaf(leaf);
-        }
-        let index = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
-        for (slot, part) in cut(records, start, *extent, depth, method).into_iter().enumerate() {
-            let child = self.subtree(part.records, part.start, &part.extent, depth + 1, method);
-            self.nodes[index].set(slot, part.extent.bounds(), child);
-        }
-        Child::node(index as u32)
-    }
+pub(crate) struct Output {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) leaves: Vec<Range<u32>>,
+    pub(crate) root: Child,
 }
 
 /// The outputs of all tasks, one after the other.

@@ -3,7 +3,6 @@
 use crate::build::build;
 use crate::isa::Isa;
 use crate::node::{Child, Tree};
-use crate::sah::Costs;
 use crate::simd::{Simd, Task};
 use crate::slab::SlabRay;
 use crate::traverse;
@@ -75,8 +74,7 @@ impl Bvh {
     #[must_use]
     pub fn build(boxes: &[Aabb]) -> Self {
         // A closure may be dear, so each box is looked at before its closure is called.
-        let costs = Costs { block: 1.0, block_size: 1, leaf_size: 1 };
-        let built = build(boxes.len(), |id| boxes[id as usize], &costs);
+        let built = build(boxes.len(), |id| boxes[id as usize], 1);
         // A leaf is one box: name the box itself and forget the leaves.
         let id = |child: Child| match child {
             Child::NONE => child,

@@ -12,6 +12,7 @@
 
 mod build;
 mod bvh;
+mod fold;
 mod huge;
 mod isa;
 mod node;

@@ -1,7 +1,7 @@
 //! The surface area heuristic, binned.
 //!
 //! The cost of a subtree is the chance that a ray which meets the parent's box meets the child's
-//! (the ratio of their surface areas) times what is inside. Candidates are the borders between
+//! (the ratio of their surface areas) times the leaves inside. Candidates are the borders between
 //! bins of equal width along each axis.
 //!
 //! Sources: J. Goldsmith, J. Salmon, "Automatic creation of object hierarchies for ray tracing",
@@ -11,24 +11,6 @@ use crate::isa::Isa;
 use crate::record::{Corners, Extent, Middles, PIECE, Record};
 use crate::simd::{Simd, Task};
 use glam::Vec4;
-
-/// The relative costs that the heuristic weighs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Costs {
-    /// Testing one block of primitives, in units of stepping through half a node.
-    pub(crate) block: f32,
-    /// Primitives that are tested at once. The count of a side is rounded up to whole blocks.
-    pub(crate) block_size: u32,
-    /// A leaf never holds more than this.
-    pub(crate) leaf_size: u32,
-}
-
-impl Costs {
-    #[inline(always)]
-    fn of(&self, count: u32) -> f32 {
-        self.block * count.div_ceil(self.block_size) as f32
-    }
-}
 
 const MAX_BINS: usize = 32;
 
@@ -138,7 +120,7 @@ impl<const N: usize> Bins<N> {
         mapping: &Mapping,
         used: usize,
         scale: f32,
-        costs: &Costs,
+        leaf_size: u32,
     ) -> Split {
         let empty = simd.splat(f32::INFINITY);
         let mut best = (f32::INFINITY, 0, 0);
@@ -155,14 +137,14 @@ impl<const N: usize> Bins<N> {
                 // An empty side is no cut.
                 let area = Corners(simd.to_array(grown)).half_area(scale);
                 right_costs[bin % N] =
-                    if count == 0 { f32::INFINITY } else { area * costs.of(count) };
+                    if count == 0 { f32::INFINITY } else { area * leaves(count, leaf_size) };
             }
             let (mut grown, mut count) = (empty, 0);
             for bin in 1..used {
                 grown = simd.min(simd.load(&boxes[(bin - 1) % N].0), grown);
                 count += counts[(bin - 1) % N];
                 let area = Corners(simd.to_array(grown)).half_area(scale);
-                let cost = area * costs.of(count) + right_costs[bin % N];
+                let cost = area * leaves(count, leaf_size) + right_costs[bin % N];
                 if count > 0 && cost < best.0 {
                     best = (cost, axis, bin);
                 }
@@ -177,8 +159,14 @@ impl<const N: usize> Bins<N> {
     }
 }
 
+/// What is tested where a side of a cut is met: whole leaves, however few there are in one.
+#[inline(always)]
+fn leaves(count: u32, leaf_size: u32) -> f32 {
+    count.div_ceil(leaf_size) as f32
+}
+
 /// The best place to cut `records`, which are at least two.
-pub(crate) fn find_split(records: &[Record], extent: &Extent, costs: &Costs, isa: Isa) -> Split {
+pub(crate) fn find_split(records: &[Record], extent: &Extent, leaf_size: u32, isa: Isa) -> Split {
     let used = (4 + records.len() / 20).min(MAX_BINS);
     let mapping = &Mapping::new(&extent.middles, used);
     let scale = unit_scale(extent);
@@ -190,12 +178,12 @@ pub(crate) fn find_split(records: &[Record], extent: &Extent, costs: &Costs, isa
             .map(|records| isa.run(Fill { records, mapping }))
             .reduce_with(|a, b| a.union(&b))
             .expect("there are records");
-        return isa.run(Best { bins: &bins, mapping, used, scale, costs });
+        return isa.run(Best { bins: &bins, mapping, used, scale, leaf_size });
     }
     if used <= FEW_BINS {
-        isa.run(FindSplit::<FEW_BINS> { records, mapping, used, scale, costs })
+        isa.run(FindSplit::<FEW_BINS> { records, mapping, used, scale, leaf_size })
     } else {
-        isa.run(FindSplit::<MAX_BINS> { records, mapping, used, scale, costs })
+        isa.run(FindSplit::<MAX_BINS> { records, mapping, used, scale, leaf_size })
     }
 }
 
@@ -218,7 +206,7 @@ struct Best<'a> {
     mapping: &'a Mapping,
     used: usize,
     scale: f32,
-    costs: &'a Costs,
+    leaf_size: u32,
 }
 
 impl Task for Best<'_> {
@@ -226,7 +214,7 @@ impl Task for Best<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Split {
-        self.bins.best(simd, self.mapping, self.used, self.scale, self.costs)
+        self.bins.best(simd, self.mapping, self.used, self.scale, self.leaf_size)
     }
 }
 
@@ -236,7 +224,7 @@ struct FindSplit<'a, const N: usize> {
     mapping: &'a Mapping,
     used: usize,
     scale: f32,
-    costs: &'a Costs,
+    leaf_size: u32,
 }
 
 impl<const N: usize> Task for FindSplit<'_, N> {
@@ -245,12 +233,12 @@ impl<const N: usize> Task for FindSplit<'_, N> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Split {
         let bins = Bins::<N>::fill(simd, self.records, self.mapping);
-        bins.best(simd, self.mapping, self.used, self.scale, self.costs)
+        bins.best(simd, self.mapping, self.used, self.scale, self.leaf_size)
     }
 }
 
 /// Brings the widest half side of the extent to one.
-fn unit_scale(extent: &Extent) -> f32 {
+pub(crate) fn unit_scale(extent: &Extent) -> f32 {
     let scale = extent.boxes.half_size().truncate().max_element().recip();
     if scale.is_finite() { scale } else { 1.0 }
 }
@@ -307,11 +295,10 @@ mod tests {
                     Record::new(id, Aabb { min, max: min + 0.1 * Vec3::splat(number()) })
                 })
                 .collect();
-            let costs = Costs { block: 2.0, block_size: 8, leaf_size: 8 };
             let cut = |isa: Isa| {
                 let mut records = records.clone();
                 let extent = Extent::of(&records, isa);
-                let split = find_split(&records, &extent, &costs, isa);
+                let split = find_split(&records, &extent, 8, isa);
                 let (count, left, right) = partition(&mut records, split, isa);
                 let ids: Vec<u32> = records.iter().map(Record::id).collect();
                 let middles = [left, right].map(|part| part.middles.lower.truncate());

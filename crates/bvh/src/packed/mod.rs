@@ -18,7 +18,6 @@ use crate::build::{TASK, build};
 use crate::huge;
 use crate::isa::Isa;
 use crate::node::{Tree, WIDTH};
-use crate::sah::Costs;
 use crate::simd::{Simd, Task};
 use crate::slab::SlabRay;
 use crate::traverse;
@@ -81,8 +80,8 @@ impl<P: Kernel> Packed<P> {
     /// If there are more than [`crate::MAX_PRIMITIVES`].
     #[must_use]
     pub fn build(primitives: &[P]) -> Self {
-        let costs = Costs { block: 2.0, block_size: WIDTH as u32, leaf_size: WIDTH as u32 };
-        let built = build(primitives.len(), |id| primitives[id as usize].bounds(), &costs);
+        let bounds = |id: u32| primitives[id as usize].bounds();
+        let built = build(primitives.len(), bounds, WIDTH as u32);
         let packed = |range: &std::ops::Range<u32>| {
             let records = &built.records[range.start as usize..range.end as usize];
             let ids: [u32; WIDTH] =
