@@ -98,12 +98,6 @@ fn faces_stay_triangles_until_there_is_a_quad() {
             "4 0 1 2 3 5 0 1 2 3 4",
             Elements::Quads(vec![[0, 1, 2, 3], [0, 1, 2, 2], [0, 2, 3, 3], [0, 3, 4, 4]]),
         ),
-        (
-            "less than a triangle is nothing",
-            2,
-            "2 0 1 3 0 1 2",
-            Elements::Triangles(vec![[0, 1, 2]]),
-        ),
     ];
     for (why, count, lists, expected) in table {
         assert_eq!(faces(count, lists), expected, "{why}");

@@ -13,6 +13,7 @@ mod progress;
 mod random;
 mod replay;
 pub(crate) mod report;
+mod round_trip;
 mod sheets;
 mod study;
 mod tally;
@@ -35,7 +36,8 @@ const EXAMPLES: &str = "\
 Examples:
   cargo xtask accuracy --out out/accuracy
   cargo xtask accuracy --shape cone --family grazing --method rotund --no-timing
-  cargo xtask accuracy --seed 7 --check";
+  cargo xtask accuracy --seed 7 --check
+  cargo xtask accuracy --round-trip 10000000";
 
 /// Options of `accuracy`.
 #[derive(Debug, clap::Args)]
@@ -69,6 +71,14 @@ pub(crate) struct Args {
     /// Show one case, as reports name it, with the answer of every method.
     #[arg(long, value_name = "CASE", exclusive = true)]
     replay: Option<String>,
+    /// Only compare so many hits, of all elements in frames of every kind, with the point and the normal that
+    /// their parameters name.
+    #[arg(
+        long,
+        value_name = "COUNT",
+        conflicts_with_all = ["shape", "family", "method", "rays", "json", "check", "replay", "no_timing"]
+    )]
+    round_trip: Option<u64>,
     /// Do not measure time.
     #[arg(long)]
     no_timing: bool,
@@ -77,6 +87,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<()> {
     if let Some(case) = &args.replay {
         return replay::run(case);
+    }
+    if let Some(count) = args.round_trip {
+        return round_trip::run(count, args.seed);
     }
     ensure!(args.rays > 0, "--rays must be at least 1");
     let options = study::Options {

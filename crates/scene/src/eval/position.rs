@@ -6,6 +6,10 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 impl Scene {
     /// The point of the surface with these parameters, in world space.
     ///
+    /// With the parameters of a [`crate::SceneHit`] this is its position, within
+    /// `error + 2^-22 (size + distance)`: the error of the hit, and the rounding of `uv` and of the frame in
+    /// proportion to the size of the element in the world and to its distance from the origin.
+    ///
     /// What `uv` runs along is on the page of each primitive: [`rotund_geometry::Sphere::position`],
     /// [`rotund_geometry::RoundedCone::position`] and so on; a vanilla point is its centre and a vanilla
     /// line its axis.

@@ -195,7 +195,7 @@ fn subdivided(
         None => return Err(unfit("uri", "without faces".to_owned(), "a mesh")),
         Some(quads) if quads > subdivide::MOST_QUADS => {
             let value = described.subdivisions.to_string();
-            return Err(unfit("subdivisions", value, "few enough for 33554432 quads in the end"));
+            return Err(unfit("subdivisions", value, "few enough for 8388608 quads in the end"));
         }
         Some(_) => {}
     }

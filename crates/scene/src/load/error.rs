@@ -17,7 +17,7 @@ pub enum LoadError {
     #[error("{}{named_by}: files that end in {extension:?} are not supported, only {supported}", path.display())]
     Unsupported { path: PathBuf, named_by: NamedBy, extension: String, supported: &'static str },
     /// Not JSON, or a field of another type than expected; the source says what and where.
-    #[error("{}: {}{source}", path.display(), field_prefix(field))]
+    #[error("{}: {}{}", path.display(), field_prefix(field), plain(field, source))]
     Json { path: PathBuf, field: String, source: serde_json::Error },
     #[error("{}: {field} is {value}, expected {expected}", path.display())]
     Value { path: PathBuf, field: String, value: String, expected: &'static str },
@@ -53,6 +53,8 @@ pub enum LoadError {
     EmptyShape { path: PathBuf },
     #[error("{}: has {count} {what}, more than the {limit} that are supported", path.display())]
     TooMany { path: PathBuf, what: &'static str, count: u64, limit: u64 },
+    #[error("{}: is UTF-16, expected UTF-8; save it in that encoding", path.display())]
+    Encoding { path: PathBuf },
     #[error("{}: {problem}", path.display())]
     Image { path: PathBuf, problem: String },
 }
@@ -83,4 +85,16 @@ fn nor_a_file(what: &str, name: &str) -> String {
         _ => return String::new(),
     };
     format!(", nor is there a file {what}/{name}.{extensions}")
+}
+
+/// What serde says, without names of Rust's types.
+fn plain(field: &str, source: &serde_json::Error) -> String {
+    let words = [
+        ("expected f32", "expected a number"),
+        ("expected u32", "expected an integer from 0 to 4294967295"),
+        ("expected value at", "expected a value of another kind at"),
+    ];
+    let text = words.iter().fold(source.to_string(), |text, (from, to)| text.replace(from, to));
+    // Inside the file these follow a value that could have ended.
+    if field.is_empty() { text } else { text.replace("trailing characters", "too many items") }
 }

@@ -1,6 +1,6 @@
 //! The scene file as it is written: a mirror for serde, with every default of the format.
 
-use super::collection::{Collection, Reference, items_or_files};
+use super::collection::{Collection, Reference, items, items_or_files, object};
 use crate::{Method, generate};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use serde::{Deserialize, Deserializer};
@@ -8,21 +8,32 @@ use serde::{Deserialize, Deserializer};
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct SceneFile {
+    #[serde(deserialize_with = "object")]
     pub asset: AssetFile,
     /// How elements are met by rays, for shapes that do not say.
     pub method: Option<MethodFile>,
+    #[serde(deserialize_with = "items")]
     pub cameras: Collection<CameraFile>,
+    #[serde(deserialize_with = "items")]
     pub environments: Collection<EnvironmentFile>,
     #[serde(deserialize_with = "items_or_files")]
     pub textures: Collection<TextureFile>,
+    #[serde(deserialize_with = "items")]
     pub materials: Collection<MaterialFile>,
     #[serde(deserialize_with = "items_or_files")]
     pub shapes: Collection<ShapeFile>,
+    #[serde(deserialize_with = "items")]
     pub subdivs: Collection<SubdivFile>,
+    #[serde(deserialize_with = "items")]
     pub instances: Collection<InstanceFile>,
     /// More instances, in files of version 4.0.
+    #[serde(deserialize_with = "items")]
     pub objects: Collection<InstanceFile>,
 }
+
+/// A scene file, which is an object.
+#[derive(Debug, Deserialize)]
+pub(super) struct Whole(#[serde(deserialize_with = "object")] pub SceneFile);
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -255,7 +266,7 @@ impl Default for Frame {
 impl<'de> Deserialize<'de> for Frame {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
-        #[serde(untagged, expecting = "a frame: 12 numbers, or 4 vectors of 3 numbers")]
+        #[serde(untagged, expecting = "expected a frame: 12 numbers, or 4 vectors of 3 numbers")]
         enum Form {
             Flat([f32; 12]),
             Nested([[f32; 3]; 4]),

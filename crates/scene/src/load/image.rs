@@ -35,7 +35,21 @@ pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Texture, LoadError
         }
     };
     let bytes = read(path, named_by)?;
-    decode(&bytes, format).map_err(|problem| LoadError::Image { path: path.to_owned(), problem })
+    decode(&bytes, format)
+        .map_err(|problem| LoadError::Image { path: path.to_owned(), problem: plain(problem) })
+}
+
+/// What the libraries say of a file that ends early, each in its way, in one.
+fn plain(problem: String) -> String {
+    let early =
+        ["unexpected end of file", "failed to fill whole buffer", "reference to missing bytes"];
+    if early.iter().any(|words| problem.contains(words)) {
+        return "the file is cut short, or no image of this format".to_owned();
+    }
+    if problem == "Memory limit exceeded" {
+        return format!("the image has more than the {MOST_PIXELS} pixels supported");
+    }
+    problem
 }
 
 /// Makes black what is not finite, as renderers leave it here and there, and says how many pixels were.
@@ -62,16 +76,24 @@ pub(super) fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Textur
 }
 
 fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Texture, String> {
-    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
-    let decoder = reader().into_decoder().map_err(|error| error.to_string())?;
+    // For what surrounds the pixels, colour profiles above all, which may unfold to a thousand times their
+    // size.
+    const AROUND: u64 = 1 << 25;
+    let reader = |pixels: u64| {
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        let mut limits = image::Limits::no_limits();
+        limits.max_alloc = Some(pixels + AROUND);
+        reader.limits(limits);
+        reader
+    };
+    let decoder = reader(0).into_decoder().map_err(|error| error.to_string())?;
     let (width, height) = decoder.dimensions();
     let bits = u64::from(decoder.original_color_type().bits_per_pixel());
     drop(decoder);
     check_size(width.into(), height.into(), bits, bytes)?;
-    let mut reader = reader();
-    // What the file unfolds to has just been found to fit its size.
-    reader.no_limits();
-    let image = reader.decode().map_err(|error| error.to_string())?;
+    // What the file unfolds to has just been found to fit its size. Some decoders count it twice.
+    let unfolded = 2 * u64::from(width) * u64::from(height) * 16;
+    let image = reader(unfolded).decode().map_err(|error| error.to_string())?;
     let pixels = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             Pixels::Floats(image.into_rgba32f().pixels().map(|pixel| pixel.0).collect())

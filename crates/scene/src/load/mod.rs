@@ -61,7 +61,20 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
     if matches!(file::extension(path).as_str(), "ply" | "obj") {
         return lone::load(path, options);
     }
-    let bytes = file::read(path, &NamedBy::default())?;
+    let nobody = NamedBy::default();
+    // A folder is told as such, whatever its name ends in.
+    drop(file::open(path, &nobody)?);
+    let extension = file::extension(path);
+    if !matches!(extension.as_str(), "json" | "") {
+        let supported = "json, ply and obj";
+        return Err(LoadError::Unsupported {
+            path: path.to_owned(),
+            named_by: nobody,
+            extension,
+            supported,
+        });
+    }
+    let bytes = file::read(path, &nobody)?;
     let mut warnings = Vec::new();
     if options.radius.is_some() {
         let path = path.display();
@@ -84,18 +97,21 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
 
 /// The JSON, with the path of whatever is wrong in it, and a warning for each unknown field.
 fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<SceneFile, LoadError> {
-    let mut json = serde_json::Deserializer::from_slice(bytes);
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(LoadError::Encoding { path: path.to_owned() });
+    }
+    let mut json = serde_json::Deserializer::from_slice(file::without_mark(bytes));
     let mut track = serde_path_to_error::Track::new();
     let tracked = serde_path_to_error::Deserializer::new(&mut json, &mut track);
     let mut unknown = Vec::new();
-    let result = serde_ignored::deserialize(tracked, |field| {
+    let result: Result<format::Whole, _> = serde_ignored::deserialize(tracked, |field| {
         let field = without_items(&field);
         if !unknown.contains(&field) {
             unknown.push(field);
         }
     });
     let failed = |field: String, source| LoadError::Json { path: path.to_owned(), field, source };
-    let file = result.map_err(|source| failed(track.path().to_string(), source))?;
+    let format::Whole(file) = result.map_err(|source| failed(track.path().to_string(), source))?;
     json.end().map_err(|source| failed(String::new(), source))?;
     let warning = |field| format!("{}: unknown field {field} is ignored", path.display());
     warnings.extend(unknown.into_iter().map(warning));

@@ -10,15 +10,25 @@ use std::{collections::HashMap, path::Path};
 /// Reads all objects of a file into one mesh.
 pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
     let bytes = file::read(path, named_by)?;
-    let text = String::from_utf8_lossy(&bytes);
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(LoadError::Encoding { path: path.to_owned() });
+    }
+    let text = String::from_utf8_lossy(file::without_mark(&bytes));
     let mut reader = Reader::default();
+    let mut begun = String::new();
     for (number, line) in text.lines().enumerate() {
+        if let Some(part) = line.strip_suffix('\\') {
+            begun.extend([part, " "]);
+            continue;
+        }
         reader.line_number = number + 1;
-        reader.line(line).map_err(|problem| LoadError::ObjLine {
+        let whole = if begun.is_empty() { line } else { &format!("{begun}{line}") };
+        reader.line(whole).map_err(|problem| LoadError::ObjLine {
             path: path.to_owned(),
             line: number + 1,
             problem,
         })?;
+        begun.clear();
     }
     Ok(reader.finish())
 }
@@ -54,6 +64,17 @@ impl Reader {
             "f" | "l" | "p" => {
                 let vertices =
                     words.map(|word| self.vertex(word)).collect::<Result<Vec<u32>, String>>()?;
+                let least = match keyword {
+                    "f" => 3,
+                    "l" => 2,
+                    _ => 1,
+                };
+                if vertices.len() < least {
+                    let found = vertices.len();
+                    return Err(format!(
+                        "\"{keyword}\" names {found} vertices, expected {least} or more"
+                    ));
+                }
                 match keyword {
                     "f" => self.mesh.faces.push_polygon(&vertices),
                     "l" => {

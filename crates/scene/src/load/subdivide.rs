@@ -5,6 +5,7 @@
 
 use crate::{Elements, Shape, Texture};
 use glam::Vec3;
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// What to do with a control mesh.
@@ -20,7 +21,7 @@ pub(super) struct Subdivision<'a> {
 }
 
 /// The most quads that a subdivision may have.
-pub(super) const MOST_QUADS: u64 = 1 << 25;
+pub(super) const MOST_QUADS: u64 = 1 << 23;
 
 /// How many quads there will be; `None` if the shape has no faces.
 pub(super) fn quads_after(shape: &Shape, levels: u32) -> Option<u64> {
@@ -43,8 +44,14 @@ struct Net {
 /// A polygon of three or four corners.
 #[derive(Clone, Copy)]
 struct Face {
-    corners: usize,
+    corners: u32,
     points: [u32; 4],
+}
+
+impl Face {
+    fn corners(&self) -> &[u32] {
+        &self.points[..self.corners as usize]
+    }
 }
 
 /// Where the points of a net go when its faces are split.
@@ -163,22 +170,26 @@ struct Edge {
 impl Net {
     /// Four quads of each quad, three of each triangle.
     fn split(&self, rule: Rule) -> Self {
-        let first_middle = self.points.len() as u32;
-        let mut edges: Vec<Edge> = Vec::new();
-        let mut edge_of = HashMap::new();
-        let mut centers = Vec::new();
-        for face in &self.faces {
-            let corners = &face.points[..face.corners];
+        // Of each face from each corner to the next; from the last of a triangle again, which nobody asks for.
+        let sides = self.faces.iter().flat_map(|face| {
+            let corners = face.corners();
+            (0..4).map(|i| {
+                let (a, b) = (corners[i % corners.len()], corners[(i + 1) % corners.len()]);
+                u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+            })
+        });
+        let (edge_of, edges) = number(sides.collect());
+        let mut edges: Vec<Edge> = edges
+            .iter()
+            .map(|&key| Edge { ends: [(key >> 32) as u32, key as u32], faces: Mean::default() })
+            .collect();
+        let mut centers = Vec::with_capacity(self.faces.len());
+        for (face, sides) in self.faces.iter().zip(edge_of.as_chunks::<4>().0) {
             let mut center = Mean::default();
-            corners.iter().for_each(|&v| center.add(self.points[v as usize]));
+            face.corners().iter().for_each(|&v| center.add(self.points[v as usize]));
             centers.push(center.get());
-            for (i, &a) in corners.iter().enumerate() {
-                let b = corners[(i + 1) % corners.len()];
-                let edge = *edge_of.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    edges.push(Edge { ends: [a, b], faces: Mean::default() });
-                    edges.len() as u32 - 1
-                });
-                edges[edge as usize].faces.add(center.get());
+            for &side in &sides[..face.corners().len()] {
+                edges[side as usize].faces.add(center.get());
             }
         }
         let middle = |edge: &Edge| {
@@ -188,6 +199,7 @@ impl Net {
             Rule::Split => self.points.clone(),
             _ => self.smoothed(&edges, &centers, middle, rule),
         };
+        let first_middle = points.len() as u32;
         points.extend(edges.iter().map(|edge| {
             // An edge of one face is a border.
             if rule != Rule::Split && edge.faces.count > 1 {
@@ -199,12 +211,11 @@ impl Net {
         let first_center = points.len() as u32;
         points.extend(centers);
         let mut faces = Vec::with_capacity(4 * self.faces.len());
-        for (face, center) in self.faces.iter().zip(first_center..) {
-            let n = face.corners;
-            let middle_of = |i: usize| {
-                let (a, b) = (face.points[i % n], face.points[(i + 1) % n]);
-                first_middle + edge_of[&(a.min(b), a.max(b))]
-            };
+        for ((face, sides), center) in
+            self.faces.iter().zip(edge_of.as_chunks::<4>().0).zip(first_center..)
+        {
+            let n = face.corners().len();
+            let middle_of = |i: usize| first_middle + sides[i % n];
             faces.extend((0..n).map(|i| Face {
                 corners: 4,
                 points: [face.points[i], middle_of(i), center, middle_of(i + n - 1)],
@@ -224,7 +235,7 @@ impl Net {
         let none = vec![Mean::default(); self.points.len()];
         let (mut faces, mut middles, mut borders) = (none.clone(), none.clone(), none);
         for (face, &center) in self.faces.iter().zip(centers) {
-            face.points[..face.corners].iter().for_each(|&v| faces[v as usize].add(center));
+            face.corners().iter().for_each(|&v| faces[v as usize].add(center));
         }
         for edge in edges {
             for end in edge.ends {
@@ -252,7 +263,7 @@ impl Net {
         for face in &self.faces {
             let [a, b, c, d] = face.points.map(|v| self.points[v as usize]);
             let normal = (c - a).cross(d - b);
-            face.points[..face.corners].iter().for_each(|&v| normals[v as usize] += normal);
+            face.corners().iter().for_each(|&v| normals[v as usize] += normal);
         }
         normals.iter().map(|normal| normal.normalize_or_zero()).collect()
     }
@@ -288,22 +299,40 @@ impl Surface {
             colors: Vec::new(),
             radii: Vec::new(),
         };
-        let mut vertices = HashMap::new();
-        let quads = self.positions.faces.iter().enumerate().map(|(f, face)| {
-            let of_texture = self.texcoords.faces.get(f).map(|face| face.points);
-            std::array::from_fn(|i| {
-                let (v, uv) = (face.points[i], of_texture.map(|points| points[i]));
-                *vertices.entry((v, uv)).or_insert_with(|| {
-                    shape.positions.push(self.positions.points[v as usize]);
-                    shape.normals.extend(normals.get(v as usize));
-                    shape
-                        .texcoords
-                        .extend(uv.map(|uv| self.texcoords.points[uv as usize].truncate()));
-                    shape.positions.len() as u32 - 1
-                })
-            })
+        // A vertex for each place in the texture that a point has.
+        let corners = self.positions.faces.iter().enumerate().flat_map(|(f, face)| {
+            let of_texture = self.texcoords.faces.get(f).map_or([0; 4], |face| face.points);
+            face.points
+                .into_iter()
+                .zip(of_texture)
+                .map(|(v, uv)| u64::from(v) << 32 | u64::from(uv))
         });
-        shape.elements = Elements::Quads(quads.collect());
+        let (vertices, keys) = number(corners.collect());
+        let points = || keys.iter().map(|&key| (key >> 32) as usize);
+        shape.positions = points().map(|v| self.positions.points[v]).collect();
+        if smooth {
+            shape.normals = points().map(|v| normals[v]).collect();
+        }
+        if !self.texcoords.faces.is_empty() {
+            let uv = |&key: &u64| self.texcoords.points[key as u32 as usize].truncate();
+            shape.texcoords = keys.iter().map(uv).collect();
+        }
+        shape.elements = Elements::Quads(vertices.as_chunks().0.to_vec());
         shape
     }
+}
+
+/// Numbers from 0 up, the same for keys that are the same: the number of each, and each key by number.
+fn number(keys: Vec<u64>) -> (Vec<u32>, Vec<u64>) {
+    let mut sorted: Vec<(u64, u32)> = keys.into_iter().zip(0..).collect();
+    sorted.par_sort_unstable();
+    let mut numbers = vec![0; sorted.len()];
+    let mut distinct = Vec::new();
+    for (key, at) in sorted {
+        if distinct.last() != Some(&key) {
+            distinct.push(key);
+        }
+        numbers[at as usize] = distinct.len() as u32 - 1;
+    }
+    (numbers, distinct)
 }

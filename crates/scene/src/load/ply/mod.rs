@@ -51,11 +51,13 @@ pub(crate) fn read<R: BufRead + Send>(
         let rows = &mut Rows::new(&mut input, element, header.encoding, vertices);
         match element.name.as_str() {
             "vertex" => vertices::read(rows, &mut mesh)?,
-            "face" => rows.for_each_list(VERTICES, |list| mesh.faces.push_polygon(list))?,
-            "line" => rows.for_each_list(VERTICES, |list| {
+            "face" => rows.for_each_list(VERTICES, 3, |list| mesh.faces.push_polygon(list))?,
+            "line" => rows.for_each_list(VERTICES, 2, |list| {
                 mesh.lines.extend(list.windows(2).map(|pair| [pair[0], pair[1]]));
             })?,
-            "point" => rows.for_each_list(VERTICES, |list| mesh.points.extend_from_slice(list))?,
+            "point" => {
+                rows.for_each_list(VERTICES, 0, |list| mesh.points.extend_from_slice(list))?;
+            }
             _ => rows.skip()?,
         }
     }

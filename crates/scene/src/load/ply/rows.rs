@@ -106,10 +106,12 @@ impl<'a, R: BufRead> Rows<'a, R> {
         Ok(())
     }
 
-    /// Calls `each` with the list of vertices of a row, the first property with one of `names`.
+    /// Calls `each` with the list of vertices of a row, the first property with one of `names`, which has at
+    /// least so many items.
     pub(super) fn for_each_list(
         &mut self,
         names: &[&str],
+        least: usize,
         mut each: impl FnMut(&[u32]),
     ) -> Result<(), LoadError> {
         let element = self.element;
@@ -118,6 +120,20 @@ impl<'a, R: BufRead> Rows<'a, R> {
         });
         let Some(found) = found else { return self.skip() };
         let (vertices, path) = (self.vertices, self.input.path.clone());
+        let mut each = |index: u64, list: &[u32]| {
+            if list.len() >= least {
+                each(list);
+                return Ok(());
+            }
+            Err(LoadError::ElementValue {
+                path: path.clone(),
+                element: element.name.clone(),
+                index,
+                property: element.properties[found].name.clone(),
+                value: format!("a list of {} vertices", list.len()),
+                expected: if least == 2 { "two or more" } else { "three or more" },
+            })
+        };
         let vertex = |index: u64, value: f64| {
             // A fraction is no index; the cast saturates, so nothing wraps round.
             if value.fract() == 0.0 && (0.0..4_294_967_295.0).contains(&value) {
@@ -146,7 +162,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
                     for item in items.chunks_exact(property.item.size()) {
                         list.push(vertex(index, decode(property.item, self.encoding, item))?);
                     }
-                    each(&list);
+                    each(index, &list)?;
                     at_hand = rest;
                     index += 1;
                 }
@@ -163,7 +179,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
                         list.push(vertex(index, value)?);
                         Ok(())
                     })?;
-                    each(&list);
+                    each(index, &list)?;
                 } else if property.count.is_some() {
                     self.list(property, index, |_| Ok(()))?;
                 } else {

@@ -1,0 +1,154 @@
+//! Files as editors, converters and strangers leave them: what is understood, and what is told.
+
+use rotund_scene::{Elements, LoadOptions, Loaded, load};
+use std::{fs, time::Instant};
+
+const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+const SCENE: &str = r#"{ "materials": [{}], "shapes": [{ "uri": "quad.obj" }],
+    "instances": [{ "shape": 0, "material": 0 }] }"#;
+
+/// What loading `name`, with this content and a quad beside it, gives.
+fn loaded(name: &str, content: &[u8]) -> Result<Loaded, String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("quad.obj"), QUAD).expect("writes the mesh");
+    fs::write(folder.path().join(name), content).expect("writes the file");
+    load(folder.path().join(name), &LoadOptions::default()).map_err(|error| error.to_string())
+}
+
+fn utf16(text: &str) -> Vec<u8> {
+    let units = std::iter::once(0xfeff).chain(text.encode_utf16());
+    units.flat_map(u16::to_le_bytes).collect()
+}
+
+#[test]
+fn marks_and_line_ends_of_any_editor_are_understood() {
+    let table = [
+        ("a mark before UTF-8", "scene.json", format!("\u{feff}{SCENE}")),
+        ("line ends of two bytes", "scene.json", SCENE.replace(' ', "\r\n")),
+        ("no extension", "scene", SCENE.to_owned()),
+        ("a mark before an OBJ", "thing.obj", format!("\u{feff}{QUAD}")),
+        ("an OBJ with line ends of two bytes", "thing.obj", QUAD.replace('\n', "\r\n")),
+        ("an element on two lines", "thing.obj", QUAD.replace(" 3 4", " \\\n3 4")),
+        ("the same with other line ends", "thing.obj", QUAD.replace(" 3 4", " \\\r\n3 4")),
+    ];
+    for (why, name, content) in table {
+        let loaded = loaded(name, content.as_bytes()).unwrap_or_else(|e| panic!("{why}: {e}"));
+        let quad = Elements::Quads(vec![[0, 1, 2, 3]]);
+        assert!(loaded.scene.shapes.iter().any(|s| s.elements == quad), "{why}");
+        assert_eq!(loaded.warnings, Vec::<String>::new(), "{why}");
+    }
+}
+
+#[test]
+fn what_is_no_scene_is_told_in_plain_words() {
+    let materials = |what: &str| format!("{{ \"materials\": {what} }}").into_bytes();
+    let table: [(&str, &str, Vec<u8>, &[&str]); 15] = [
+        ("UTF-16", "scene.json", utf16(SCENE), &["UTF-16", "UTF-8"]),
+        ("an OBJ in UTF-16", "thing.obj", utf16(QUAD), &["UTF-16", "UTF-8"]),
+        ("another format", "movie.gltf", b"{}".to_vec(), &["\"gltf\"", "json, ply and obj"]),
+        ("null", "scene.json", b"null".to_vec(), &["null", "expected an object"]),
+        ("an array", "scene.json", b"[]".to_vec(), &["sequence", "expected an object"]),
+        ("an item in brackets", "scene.json", materials("[[]]"), &["materials[0]", "an object"]),
+        ("an item that is none", "scene.json", materials("[3]"), &["materials[0]", "an object"]),
+        ("a word for a number", "scene.json", materials(r#"[{"ior": "x"}]"#), &["ior", "a number"]),
+        ("a number for a type", "scene.json", materials(r#"[{"type": 7}]"#), &["type", "another kind"]),
+        ("a colour of four", "scene.json", materials(r#"[{"color": [1, 1, 1, 1]}]"#), &["color", "too many"]),
+        (
+            "half a level",
+            "scene.json",
+            br#"{ "subdivs": [{ "subdivisions": 1.5 }] }"#.to_vec(),
+            &["subdivs[0].subdivisions", "1.5", "an integer from 0"],
+        ),
+        (
+            "a frame of three numbers",
+            "scene.json",
+            br#"{ "instances": [{ "frame": [1, 2, 3] }] }"#.to_vec(),
+            &["instances[0].frame", "expected a frame", "12 numbers"],
+        ),
+        ("a face of two", "thing.obj", b"v 0 0 0\nf 1 1\n".to_vec(), &["line 2", "2 vertices", "3 or more"]),
+        ("a line of one", "thing.obj", b"v 0 0 0\nl 1\n".to_vec(), &["line 2", "1 vertices", "2 or more"]),
+        (
+            "a face of two in a PLY",
+            "thing.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+              element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 0\n2 0 0\n"
+                .to_vec(),
+            &["face 1", "vertex_indices", "2 vertices", "three or more"],
+        ),
+    ];
+    for (why, name, content, parts) in table {
+        let message = loaded(name, &content).expect_err(why);
+        for part in parts.iter().chain([&name]) {
+            assert!(message.contains(part), "{why}: {part:?} is not in {message:?}");
+        }
+    }
+}
+
+#[test]
+fn nesting_without_end_neither_overflows_the_stack_nor_takes_long() {
+    let start = Instant::now();
+    let deep = |open: &str, close: &str| {
+        format!("{}1{}", open.repeat(200_000), close.repeat(200_000)).into_bytes()
+    };
+    for (why, content) in [
+        ("where nothing is known", [b"{ \"weather\": ".to_vec(), deep("[", "]"), b"}".to_vec()]),
+        ("of objects", [b"{ \"weather\": ".to_vec(), deep("{\"a\":", "}"), b"}".to_vec()]),
+        ("in a known field", [b"{ \"asset\": ".to_vec(), deep("[", "]"), b"}".to_vec()]),
+        ("in an item", [b"{ \"materials\": [".to_vec(), deep("[", "]"), b"]}".to_vec()]),
+    ] {
+        // A warning or an error: only that there is an answer.
+        let _ = loaded("scene.json", &content.concat()).map_err(|message| {
+            assert!(message.contains("scene.json"), "{why}: {message}");
+        });
+    }
+    assert!(start.elapsed().as_secs() < 10, "took {:?}", start.elapsed());
+}
+
+#[test]
+fn a_mesh_split_more_often_than_memory_bears_is_refused_at_once() {
+    let scene = |levels: u32| {
+        format!(
+            r#"{{ "shapes": [{{}}], "subdivs": [{{ "shape": 0, "uri": "quad.obj",
+                "subdivisions": {levels} }}] }}"#
+        )
+    };
+    let start = Instant::now();
+    for levels in [12, 13, 31, 32, u32::MAX] {
+        let message = loaded("scene.json", scene(levels).as_bytes()).expect_err("too many");
+        let value = levels.to_string();
+        for part in ["subdivs[0].subdivisions", &value, "8388608 quads"] {
+            assert!(message.contains(part), "{part:?} is not in {message:?}");
+        }
+    }
+    assert!(start.elapsed().as_secs() < 2, "took {:?}", start.elapsed());
+    let quads =
+        loaded("scene.json", scene(7).as_bytes()).expect("subdivides").scene.shapes.remove(0);
+    assert_eq!(quads.elements.count(), 4_usize.pow(7));
+}
+
+#[test]
+fn a_polyline_or_polygon_of_any_length_is_one_list() {
+    let mut vertices = String::new();
+    let mut list = String::new();
+    for i in 1..=100_000 {
+        vertices += &format!("v {i} {} 0\n", i % 7);
+        list += &format!(" {i}");
+    }
+    let line = loaded("thing.obj", format!("{vertices}l{list}\n").as_bytes()).expect("a polyline");
+    assert_eq!(line.scene.shapes[1].elements.count(), 99_999);
+    let face = loaded("thing.obj", format!("{vertices}f{list}\n").as_bytes()).expect("a polygon");
+    assert_eq!(face.scene.shapes[1].elements.count(), 99_998);
+    let count = 300_000_u32;
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
+         property float z\nelement line 1\nproperty list uint uint vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    for i in 0..count {
+        bytes.extend([i as f32, (i % 5) as f32, 0.0].map(f32::to_le_bytes).concat());
+    }
+    bytes.extend(count.to_le_bytes());
+    bytes.extend((0..count).flat_map(u32::to_le_bytes));
+    let hair = loaded("hair.ply", &bytes).expect("a long polyline");
+    assert_eq!(hair.scene.shapes[1].elements.count(), count as usize - 1);
+}
