@@ -179,7 +179,7 @@ impl Hash {
         for texture in &scene.textures {
             self.debug(&(texture.width, texture.height));
             match &texture.pixels {
-                Pixels::Bytes(bytes) => {
+                Pixels::Bytes(bytes) | Pixels::SharedExponent(bytes) => {
                     bytes.iter().for_each(|&pixel| self.word(u32::from_le_bytes(pixel)));
                 }
                 Pixels::Floats(floats) => self.floats(floats.iter().copied()),

@@ -8,8 +8,7 @@ use glam::Vec2;
 /// A table of weights; none by default.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    /// `cumulative[i]` is the chance of the cells before `i`; one more entry than cells.
-    cumulative: Vec<f32>,
+    sums: Sums,
     pub(crate) sum: f32,
 }
 
@@ -26,30 +25,19 @@ pub(crate) struct Drawn {
 impl Table {
     /// Weights must not be negative. If all are zero, nothing can be drawn.
     pub(crate) fn new(weights: impl IntoIterator<Item = f32>) -> Self {
-        let mut sum = 0.0_f64;
-        let mut sums = vec![0.0_f64];
-        sums.extend(weights.into_iter().map(|weight| {
-            sum += f64::from(weight);
-            sum
-        }));
-        let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-        let cumulative = sums.iter().map(|&s| (s * scale) as f32).collect();
-        Self { cumulative, sum: sum as f32 }
+        let mut sums = Sums::default();
+        let sum = sums.push_row(weights);
+        Self { sums, sum }
     }
 
     /// The chance of a cell.
     pub(crate) fn chance(&self, cell: usize) -> f32 {
-        self.cumulative[cell + 1] - self.cumulative[cell]
+        self.sums.chance(0, cell)
     }
 
     /// `u` in `0.0..1.0` picks a cell that has a chance; none if no cell has.
     pub(crate) fn draw(&self, u: f32) -> Option<Drawn> {
-        // The last entry is 1 or, if nothing can be drawn, 0.
-        let after = self.cumulative.partition_point(|&c| c <= u);
-        let cell = after.checked_sub(1).filter(|_| after < self.cumulative.len())?;
-        let chance = self.chance(cell);
-        let rest = ((u - self.cumulative[cell]) / chance).min(1.0_f32.next_down());
-        Some(Drawn { cell, chance, rest })
+        self.sums.draw(0, u)
     }
 }
 
@@ -57,16 +45,18 @@ impl Table {
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     rows: Table,
-    columns: Vec<Table>,
+    /// Of each row.
+    columns: Sums,
 }
 
 impl Grid {
     /// `weight(column, row)` must not be negative.
     pub(crate) fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f32) -> Self {
-        let columns: Vec<Table> = (0..height)
-            .map(|row| Table::new((0..width).map(|column| weight(column, row))))
+        let mut columns = Sums::default();
+        let rows: Vec<f32> = (0..height)
+            .map(|row| columns.push_row((0..width).map(|column| weight(column, row))))
             .collect();
-        Self { rows: Table::new(columns.iter().map(|row| row.sum)), columns }
+        Self { rows: Table::new(rows), columns }
     }
 
     /// The sum of all weights.
@@ -76,15 +66,72 @@ impl Grid {
 
     /// The chance of a cell.
     pub(crate) fn chance(&self, column: usize, row: usize) -> f32 {
-        self.rows.chance(row) * self.columns[row].chance(column)
+        self.rows.chance(row) * self.columns.chance(row, column)
     }
 
     /// Column, row, its chance, and a place in the cell, uniform in the unit square.
     pub(crate) fn draw(&self, u: Vec2) -> Option<([usize; 2], f32, Vec2)> {
         let row = self.rows.draw(u.y)?;
-        let column = self.columns[row.cell].draw(u.x)?;
+        let column = self.columns.draw(row.cell, u.x)?;
         let chance = row.chance * column.chance;
         Some(([column.cell, row.cell], chance, Vec2::new(column.rest, row.rest)))
+    }
+}
+
+/// Cumulative chances of rows of the same length.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    /// In each row, the chance of the cells before each; one more entry than cells.
+    cumulative: Vec<f32>,
+    /// Every [`STRIDE`]-th entry of each row, from its first. A search begins here: the tables of a sky
+    /// are larger than the caches, and a search over a row would fetch seven lines of it, not one.
+    marks: Vec<f32>,
+    entries: usize,
+}
+
+/// Entries between marks: as many as a line of the cache holds.
+const STRIDE: usize = 16;
+
+impl Sums {
+    /// Appends a row, and returns the sum of its weights.
+    fn push_row(&mut self, weights: impl IntoIterator<Item = f32>) -> f32 {
+        let mut sum = 0.0_f64;
+        let mut sums = vec![0.0_f64];
+        sums.extend(weights.into_iter().map(|weight| {
+            sum += f64::from(weight);
+            sum
+        }));
+        let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let start = self.cumulative.len();
+        self.cumulative.extend(sums.iter().map(|&s| (s * scale) as f32));
+        self.marks.extend(self.cumulative[start..].iter().step_by(STRIDE));
+        self.entries = sums.len();
+        sum as f32
+    }
+
+    fn chance(&self, row: usize, cell: usize) -> f32 {
+        let start = row * self.entries + cell;
+        self.cumulative[start + 1] - self.cumulative[start]
+    }
+
+    fn draw(&self, row: usize, u: f32) -> Option<Drawn> {
+        if self.entries == 0 {
+            return None;
+        }
+        let cumulative = &self.cumulative[row * self.entries..][..self.entries];
+        let marks = self.entries.div_ceil(STRIDE);
+        let marks = &self.marks[row * marks..][..marks];
+        // The first entry, and mark, is 0; the last entry is 1 or, if nothing can be drawn, 0.
+        let first = (marks.partition_point(|&c| c <= u) - 1) * STRIDE;
+        let last = self.entries.min(first + STRIDE);
+        let after = first + cumulative[first..last].partition_point(|&c| c <= u);
+        let cell = after - 1;
+        if after == self.entries {
+            return None;
+        }
+        let chance = cumulative[after] - cumulative[cell];
+        let rest = ((u - cumulative[cell]) / chance).min(1.0_f32.next_down());
+        Some(Drawn { cell, chance, rest })
     }
 }
 
@@ -108,7 +155,29 @@ mod tests {
     fn nothing_is_drawn_from_nothing() {
         assert_eq!(Table::new([]).draw(0.5), None);
         assert_eq!(Table::new([0.0, 0.0]).draw(0.0), None);
+        assert_eq!(Table::default().draw(0.5), None);
         assert_eq!(Grid::new(2, 2, |_, _| 0.0).draw(Vec2::splat(0.5)), None);
+    }
+
+    #[test]
+    fn a_search_by_marks_finds_what_a_walk_along_the_row_finds() {
+        for count in [1, 15, 16, 17, 31, 32, 33, 100] {
+            let weight = |i: usize| if i % 3 == 1 { 0.0 } else { (1 + i * i % 7) as f32 };
+            let table = Table::new((0..count).map(weight));
+            for i in 0..1000 {
+                let u = i as f32 / 1000.0;
+                let mut before = 0.0;
+                let cell = (0..count).find(|&cell| {
+                    before += table.chance(cell);
+                    // The walk rounds once for each cell.
+                    u < before - 1e-5
+                });
+                let drawn = table.draw(u).expect("it has weights");
+                let near = cell.is_none_or(|cell| drawn.cell == cell || drawn.rest > 0.99);
+                assert!(near && drawn.chance > 0.0, "{count} cells, {u}: {drawn:?}, not {cell:?}");
+                assert_eq!(drawn.chance, table.chance(drawn.cell));
+            }
+        }
     }
 
     #[test]

@@ -315,6 +315,7 @@ fn is_opaque(scene: &Scene) -> bool {
         texture.is_none_or(|texture| match &scene.textures[texture as usize].pixels {
             Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
             Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
+            Pixels::SharedExponent(_) => true,
         })
     };
     let is_opaque = |material: &Material| {

@@ -17,6 +17,9 @@ impl Scene {
     #[must_use]
     pub fn eval_emission(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
         let material = &self.materials[self.instances[instance as usize].material as usize];
+        if material.emission == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
         let Some(index) = material.emission_tex else {
             return material.emission * self.eval_color(instance, element, uv).truncate();
         };
@@ -38,7 +41,11 @@ impl Scene {
     pub fn eval_material(&self, instance: u32, element: u32, uv: Vec2) -> MaterialPoint {
         let material = &self.materials[self.instances[instance as usize].material as usize];
         let vertex = self.eval_color(instance, element, uv);
-        let texcoord = self.eval_texcoord(instance, element, uv);
+        let textured = [material.color_tex, material.roughness_tex, material.scattering_tex]
+            .iter()
+            .any(Option::is_some);
+        let texcoord =
+            if textured { self.eval_texcoord(instance, element, uv) } else { Vec2::ZERO };
         let texture = |index: Option<u32>| index.map(|index| &self.textures[index as usize]);
         let painted = texture(material.color_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
         let grain = texture(material.roughness_tex).map_or(Vec4::ONE, |t| t.data(texcoord));

@@ -92,10 +92,11 @@ impl Lights {
     fn environment_chance(&self, receiver: &Receiver) -> f32 {
         // Both are estimates of irradiance; half of an environment is below the horizon.
         let environments = 0.5 * self.environments.power();
-        let emitters = self.tree.importance(receiver);
         if environments <= 0.0 {
-            0.0
-        } else if emitters <= 0.0 {
+            return 0.0;
+        }
+        let emitters = self.tree.importance(receiver);
+        if emitters <= 0.0 {
             1.0
         } else {
             // Either estimate can be wrong, above all about occlusion.

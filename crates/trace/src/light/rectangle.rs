@@ -3,7 +3,7 @@
 //! Source: C. Ureña, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical
 //! Rectangles", Computer Graphics Forum 32(4), 2013.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
 /// A corner and the edges that leave it, at a right angle.
@@ -26,12 +26,13 @@ struct Seen {
     z: f64,
     /// Of the normals of the planes through the eye and the edges along x.
     slopes: [f64; 2],
-    offset: f64,
+    /// Cosine and sine of the sum of the angles at two of the corners.
+    offset: DVec2,
     solid_angle: f64,
 }
 
-/// Below this solid angle, area is drawn. There both are even, but the angles whose sum the solid
-/// angle is have an error of up to 1e-8, the square root of the roundoff, where their cosine is near 1.
+/// Below this solid angle, area is drawn, which is as even there. The solid angle itself, the angle of a
+/// product, has an error of some units of roundoff, 1e-15.
 const LEAST: f64 = 1e-4;
 
 impl Rectangle {
@@ -67,17 +68,32 @@ impl Rectangle {
         let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
         // The planes through the eye and an edge have normals (0, z, -y0), (-z, 0, x1), (0, -z, y1)
         // and (z, 0, -x0). Of unit length, neighbours have the product of their z as dot product.
-        let slope = |edge: f64| edge / (edge * edge + depth * depth).sqrt();
-        let slopes = [-slope(y0), slope(x1), slope(y1), -slope(x0)];
-        let angle = |a: usize, b: usize| (-slopes[a] * slopes[b]).clamp(-1.0, 1.0).acos();
-        let offset = TAU - angle(2, 3) - angle(3, 0);
-        let solid_angle = angle(0, 1) + angle(1, 2) - offset;
+        let depth2 = depth * depth;
+        let slope = |edge: f64| {
+            let rest2 = 1.0 / (edge * edge + depth2);
+            // With what its square is short of 1.
+            (edge * rest2.sqrt(), depth2 * rest2)
+        };
+        let slopes = [slope(-y0), slope(x1), slope(y1), slope(-x0)];
+        // The angle of two planes as a complex number of length 1: 1 - (1 - p)(1 - q) does not cancel.
+        let angle = |a: usize, b: usize| {
+            let ((sa, p), (sb, q)) = (slopes[a], slopes[b]);
+            DVec2::new(-sa * sb, (p + q - p * q).sqrt())
+        };
+        // Products add angles. The sum of all is a whole turn more than the solid angle.
+        let offset = angle(2, 3).rotate(angle(3, 0));
+        let whole = angle(0, 1).rotate(angle(1, 2)).rotate(offset);
+        let angle = whole.y.atan2(whole.x);
+        // More than half a turn, which comes out negative, is seen only from near above.
+        let above = x0 <= 0.0 && x1 >= 0.0 && y0 <= 0.0 && y1 >= 0.0;
+        let near = above && -depth < self.lengths[0].max(self.lengths[1]);
+        let solid_angle = if angle < 0.0 && near { angle + TAU } else { angle };
         // False for a NaN: an eye in the plane of the rectangle.
         (solid_angle > LEAST).then_some(Seen {
             x: [x0, x1],
             y: [y0, y1],
             z: depth,
-            slopes: [slopes[0], slopes[2]],
+            slopes: [slopes[0].0, slopes[2].0],
             offset,
             solid_angle,
         })
@@ -92,7 +108,9 @@ impl Rectangle {
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<(Vec2, f32)> {
         let seen = self.seen(from)?;
         let [b0, b1] = seen.slopes;
-        let (sine, cosine) = (f64::from(u.x) * seen.solid_angle + seen.offset).sin_cos();
+        // The angle of the whole circle less the last two is that of their conjugate.
+        let share = DVec2::from_angle(f64::from(u.x) * seen.solid_angle);
+        let DVec2 { x: cosine, y: sine } = share.rotate(DVec2::new(seen.offset.x, -seen.offset.y));
         let f = (cosine * b0 - b1) / sine;
         let c = (1.0_f64.copysign(f) / (f * f + b0 * b0).sqrt()).clamp(-1.0, 1.0);
         let x =
