@@ -118,7 +118,14 @@ fn bounds_of(shape: &Shape) -> Aabb {
 }
 
 fn thickest_of(shape: &Shape) -> f32 {
-    shape.radii.par_iter().copied().reduce(|| 0.0, f32::max).min(LARGEST)
+    largest(&shape.radii, |radius| *radius).min(LARGEST)
+}
+
+/// The largest of what is made of each, or 0.
+fn largest<T: Sync>(values: &[T], of: impl Fn(&T) -> f32 + Sync) -> f32 {
+    let greater = |a: f32, b: f32| if b > a { b } else { a };
+    let blocks = values.par_chunks(1 << 14);
+    blocks.map(|block| block.iter().map(&of).fold(0.0, greater)).reduce(|| 0.0, greater)
 }
 
 /// The radius of a ball about `center` to be framed, for contents that reach so far from there. A lone point
@@ -148,8 +155,8 @@ fn camera_around(bounds: Aabb, extent: f32) -> Camera {
 fn around(shape: Shape, bounds: Aabb) -> Scene {
     let thickest = thickest_of(&shape);
     let center = bounds.center();
-    let squares = shape.positions.par_iter().map(|p| p.distance_squared(center));
-    let extent = extent(bounds.center(), squares.reduce(|| 0.0, f32::max).sqrt() + thickest);
+    let square = largest(&shape.positions, |p| p.distance_squared(center));
+    let extent = extent(bounds.center(), square.sqrt() + thickest);
     let floor_height = bounds.min.y - thickest;
     let camera = camera_around(bounds, extent);
     let built = "constant parameters that fit";

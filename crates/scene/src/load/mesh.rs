@@ -18,6 +18,8 @@ pub(crate) struct Mesh {
     pub faces: Faces,
     /// What about the file was odd but not wrong.
     pub oddity: Option<String>,
+    /// Whether the data of vertices are known to be good.
+    pub sound: bool,
 }
 
 /// Triangles until the first quad comes.
@@ -161,6 +163,9 @@ impl Mesh {
                 limit,
             });
         }
+        if self.sound {
+            return Ok(());
+        }
         let bad = |index: usize, property: &str, value: String, expected| {
             Err(LoadError::ElementValue {
                 path: path.to_owned(),
@@ -175,12 +180,11 @@ impl Mesh {
             let [x, y, z] = self.positions[i].to_array();
             return bad(i, "position", format!("({x}, {y}, {z})"), "finite coordinates");
         }
-        if let Some(i) = first(&self.radii, |r| !(r.is_finite() && *r >= 0.0)) {
+        if let Some(i) = first(&self.radii, |r| !is_radius(r)) {
             let expected = "a finite number that is not negative";
             return bad(i, "radius", self.radii[i].to_string(), expected);
         }
-        let unfit = |c: &Vec4| !c.is_finite() || c.cmplt(Vec4::ZERO).any();
-        if let Some(i) = first(&self.colors, unfit) {
+        if let Some(i) = first(&self.colors, |c| !is_color(c)) {
             let [r, g, b, a] = self.colors[i].to_array();
             let expected = "finite numbers that are not negative";
             return bad(i, "color", format!("({r}, {g}, {b}, {a})"), expected);
@@ -220,6 +224,14 @@ impl Mesh {
         pick(points, &mut self.radii);
         Ok(())
     }
+}
+
+pub(super) fn is_radius(radius: &f32) -> bool {
+    radius.is_finite() & (*radius >= 0.0)
+}
+
+pub(super) fn is_color(color: &Vec4) -> bool {
+    color.is_finite() & color.cmpge(Vec4::ZERO).all()
 }
 
 /// The index of the first value that is bad.

@@ -322,6 +322,6 @@ fn decode(item: Type, encoding: Encoding, bytes: &[u8]) -> f64 {
 }
 
 /// The first bytes; zeros where the slice is shorter, which callers rule out.
-fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
+pub(super) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     bytes.first_chunk().copied().unwrap_or([0; N])
 }

@@ -2,17 +2,21 @@
 
 use super::{
     header::{Encoding, Type},
-    rows::{ROWS, Rows, decode_column},
+    rows::{ROWS, Rows, array, decode_column},
 };
 use crate::{
     LoadError,
-    load::mesh::Mesh,
+    load::mesh::{self, Mesh},
     texture::{LINEAR_FROM_SRGB, linear_from_srgb},
 };
 use bytemuck::zeroed_vec;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
-use std::{io::BufRead, slice::ChunksMut};
+use std::{
+    io::BufRead,
+    slice::ChunksMut,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 /// Where the numbers of a vertex go, by all names in use.
 const COLUMNS: [&[&str]; 13] = [
@@ -59,20 +63,31 @@ pub(super) fn read<R: BufRead + Send>(
     layout.make_room(mesh, rows.element.count as usize);
     let chunks = Chunks::new(mesh);
     if let Some(size) = rows.row_size() {
-        return rows.blocks().zip(chunks).par_bridge().try_for_each_init(
+        let odd = AtomicBool::new(false);
+        rows.blocks().zip(chunks).par_bridge().try_for_each_init(
             Columns::default,
-            |columns, (block, chunk)| {
-                layout.decode(&block?, size, columns);
+            |columns, (block, mut chunk)| {
+                let block = block?;
+                layout.decode(&block, size, columns);
                 chunk.fill(columns);
+                if let Some(offset) = layout.positions_at {
+                    chunk.copy_positions(&block, size, offset);
+                }
+                // While they are in the cache: to look again costs as much as to read the file.
+                if !chunk.is_sound() {
+                    odd.store(true, Ordering::Relaxed);
+                }
                 Ok(())
             },
-        );
+        )?;
+        mesh.sound = !odd.into_inner();
+        return Ok(());
     }
     let mut chunks = chunks;
     let mut columns = Columns::default();
     let mut store = |columns: &mut Columns| {
         layout.make_linear(columns);
-        if let Some(chunk) = chunks.next() {
+        if let Some(mut chunk) = chunks.next() {
             chunk.fill(columns);
         }
         columns.iter_mut().for_each(Vec::clear);
@@ -100,6 +115,9 @@ struct Layout {
     columns: Vec<Option<usize>>,
     /// Of each column.
     types: [Option<Type>; COLUMNS.len()],
+    /// How far into a row x, y and z stand if they do so together, in the form in which they are kept: then
+    /// they need no columns.
+    positions_at: Option<usize>,
 }
 
 impl Layout {
@@ -115,8 +133,18 @@ impl Layout {
             }
             columns.push(column);
         }
-        let items = rows.element.properties.iter().map(|property| property.item).collect();
-        Self { encoding: rows.encoding, items, columns, types }
+        let items: Vec<Type> =
+            rows.element.properties.iter().map(|property| property.item).collect();
+        let together = |first: usize| {
+            let place = first..first + 3;
+            columns.get(place.clone()) == Some(&[0, 1, 2].map(|axis| Some(POSITION + axis)))
+                && items[place].iter().all(|item| *item == Type::F32)
+        };
+        let first = (0..columns.len()).find(|&first| together(first));
+        let positions_at = first
+            .filter(|_| rows.encoding == Encoding::LittleEndian)
+            .map(|first| items[..first].iter().map(|item| item.size()).sum());
+        Self { encoding: rows.encoding, items, columns, types, positions_at }
     }
 
     fn has(&self, first: usize, count: usize) -> bool {
@@ -138,7 +166,8 @@ impl Layout {
     fn decode(&self, block: &[u8], size: usize, columns: &mut Columns) {
         let mut offset = 0;
         for (&item, &column) in self.items.iter().zip(&self.columns) {
-            if let Some(column) = column {
+            let copied = |column| self.positions_at.is_some() && column < POSITION + 3;
+            if let Some(column) = column.filter(|&column| !copied(column)) {
                 columns[column].clear();
                 decode_column(self.encoding, block, (size, offset, item), &mut columns[column]);
             }
@@ -210,7 +239,27 @@ impl<'a> Iterator for Chunks<'a> {
 }
 
 impl Chunk<'_> {
-    fn fill(self, columns: &Columns) {
+    /// From rows of `size` bytes, `offset` bytes into each.
+    fn copy_positions(&mut self, block: &[u8], size: usize, offset: usize) {
+        for (to, row) in self.positions.iter_mut().zip(block.chunks_exact(size)) {
+            *to = Vec3::from_array(
+                [0, 4, 8].map(|at| f32::from_le_bytes(array(&row[offset + at..]))),
+            );
+        }
+    }
+
+    /// Whether nothing in it has to be refused, mended or told about.
+    fn is_sound(&self) -> bool {
+        // Sums over all, for to stop at the first takes longer.
+        let all = |sound: bool, next: bool| sound & next;
+        self.positions.iter().map(|p| p.is_finite()).fold(true, all)
+            & self.radii.iter().map(mesh::is_radius).fold(true, all)
+            & self.normals.iter().map(|n| n.is_finite()).fold(true, all)
+            & self.texcoords.iter().map(|t| t.is_finite()).fold(true, all)
+            & self.colors.iter().map(mesh::is_color).fold(true, all)
+    }
+
+    fn fill(&mut self, columns: &Columns) {
         let [x, y, z, nx, ny, nz, u, v, red, green, blue, alpha, radius] = columns;
         let vectors = |to: &mut [Vec3], [x, y, z]: [&[f32]; 3]| {
             for (((to, &x), &y), &z) in to.iter_mut().zip(x).zip(y).zip(z) {
