@@ -23,6 +23,7 @@ use rotund_geometry::{Aabb, Hit, Ray, RoundedCone, vanilla};
 
 impl Kernel for RoundedCone {
     type Block = Block<8>;
+    const APART: bool = true;
     type Lanes<S: Simd> = RoundLanes<S>;
 
     fn bounds(&self) -> Aabb {

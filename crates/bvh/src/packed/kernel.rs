@@ -63,6 +63,9 @@ impl<S: Simd> Candidates<S> {
 pub trait Kernel: Copy + Send + Sync {
     /// Its block.
     type Block: Clone + std::fmt::Debug + Send + Sync + HasIds;
+    /// Whether the exact test is called and not inlined. A walk over round primitives gains a tenth from the
+    /// registers that are left to it; the wide test of flat ones needs so many that saving them costs as much.
+    const APART: bool;
     /// What [`Kernel::candidates`] needs of a ray.
     type Lanes<S: Simd>: Copy;
 

@@ -140,6 +140,33 @@ impl<P: Kernel> Packed<P> {
     }
 }
 
+/// The exact `t` of one primitive.
+#[inline(always)]
+fn exact<S: Simd, P: Kernel, const VANILLA: bool>(
+    simd: S,
+    block: &P::Block,
+    lane: usize,
+    ray: &Ray,
+) -> Option<f32> {
+    let task = Exact::<P, VANILLA> { block, lane, ray };
+    if P::APART { simd.run_apart(task) } else { task.run(simd) }
+}
+
+struct Exact<'a, P: Kernel, const VANILLA: bool> {
+    block: &'a P::Block,
+    lane: usize,
+    ray: &'a Ray,
+}
+
+impl<P: Kernel, const VANILLA: bool> Task for Exact<'_, P, VANILLA> {
+    type Output = Option<f32>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Option<f32> {
+        P::unpack(self.block, self.lane).closest_t::<VANILLA>(self.ray)
+    }
+}
+
 struct ClosestTask<'a, P: Kernel, const VANILLA: bool> {
     tree: &'a Packed<P>,
     ray: &'a Ray,
@@ -201,8 +228,8 @@ impl<'a, S: Simd, P: Kernel, const VANILLA: bool> FindClosest<'a, S, P, VANILLA>
     /// The exact `t` of a primitive. With the whole interval and not the shrunken one: ties count, and
     /// are settled by the caller.
     #[inline(always)]
-    fn exact(&self, block: usize, lane: usize) -> Option<f32> {
-        P::unpack(&self.packed.blocks[block], lane).closest_t::<VANILLA>(self.ray)
+    fn exact(&self, simd: S, block: usize, lane: usize) -> Option<f32> {
+        exact::<S, P, VANILLA>(simd, &self.packed.blocks[block], lane, self.ray)
     }
 
     /// A bound below the parameter of `t`.
@@ -258,7 +285,7 @@ impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Closest<S>
             let best_t = match self.best.t {
                 Some(t) => t,
                 None => {
-                    let t = self.exact(self.best.block, self.best.lane);
+                    let t = self.exact(simd, self.best.block, self.best.lane);
                     debug_assert!(t.is_some(), "what was sure to be hit is hit");
                     let t = t.unwrap_or(f32::INFINITY);
                     (self.best.t, self.best.near) = (Some(t), self.near(t));
@@ -269,7 +296,7 @@ impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Closest<S>
                     t
                 }
             };
-            if let Some(t) = self.exact(index, lane)
+            if let Some(t) = self.exact(simd, index, lane)
                 && (t < best_t || (t == best_t && id < self.best.id))
             {
                 self.best = Best { id, block: index, lane, t: Some(t), near: self.near(t) };
@@ -330,7 +357,7 @@ impl<S: Simd, P: Kernel, const VANILLA: bool> traverse::Any<S> for FindAny<'_, S
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
             if block.ids()[lane] != NO_ID
-                && P::unpack(block, lane).closest_t::<VANILLA>(self.ray).is_some()
+                && exact::<S, P, VANILLA>(simd, block, lane, self.ray).is_some()
             {
                 return true;
             }

@@ -16,6 +16,7 @@ use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, vanilla};
 /// Rows: the corners p00, p10, p11, p01 (around the patch), and the largest side of their box.
 impl Kernel for BilinearPatch {
     type Block = Block<13>;
+    const APART: bool = false;
     type Lanes<S: Simd> = FlatLanes<S>;
 
     fn bounds(&self) -> Aabb {

@@ -27,6 +27,7 @@ use rotund_geometry::{Aabb, Hit, Ray, Sphere, vanilla};
 
 impl Kernel for Sphere {
     type Block = Block<4>;
+    const APART: bool = true;
     type Lanes<S: Simd> = RoundLanes<S>;
 
     fn bounds(&self) -> Aabb {

@@ -12,6 +12,7 @@ use rotund_geometry::{Aabb, Hit, Ray, Triangle};
 /// Rows: the corners, and the largest side of their box.
 impl Kernel for Triangle {
     type Block = Block<10>;
+    const APART: bool = false;
     type Lanes<S: Simd> = FlatLanes<S>;
 
     fn bounds(&self) -> Aabb {

@@ -35,6 +35,9 @@ pub trait Simd: Copy {
     /// Runs `task` in a function that is compiled for this instruction set.
     fn run<T: Task>(self, task: T) -> T::Output;
 
+    /// The same in a function that is called, not inlined.
+    fn run_apart<T: Task>(self, task: T) -> T::Output;
+
     /// Asks for the cache lines of `what`, which will be looked at soon.
     #[inline(always)]
     fn prefetch<T>(self, what: &T) {

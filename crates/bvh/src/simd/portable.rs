@@ -22,6 +22,11 @@ impl Simd for Portable {
         task.run(self)
     }
 
+    #[inline(never)]
+    fn run_apart<T: Task>(self, task: T) -> T::Output {
+        task.run(self)
+    }
+
     #[inline(always)]
     fn load(self, from: &[f32; WIDTH]) -> Self::Lanes {
         *from

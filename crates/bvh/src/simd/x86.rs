@@ -77,6 +77,17 @@ macro_rules! implement {
             }
 
             #[inline(always)]
+            fn run_apart<T: Task>(self, task: T) -> T::Output {
+                #[inline(never)]
+                #[target_feature(enable = $features)]
+                fn compiled<T: Task>(simd: $isa, task: T) -> T::Output {
+                    task.run(simd)
+                }
+                // SAFETY: `self` proves that the processor has the features.
+                unsafe { compiled(self, task) }
+            }
+
+            #[inline(always)]
             fn prefetch<T>(self, what: &T) {
                 let start = std::ptr::from_ref(what).cast::<i8>();
                 for line in 0..size_of::<T>().div_ceil(64) {
