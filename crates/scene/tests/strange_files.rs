@@ -29,6 +29,7 @@ fn marks_and_line_ends_of_any_editor_are_understood() {
         ("a mark before an OBJ", "thing.obj", format!("\u{feff}{QUAD}")),
         ("an OBJ with line ends of two bytes", "thing.obj", QUAD.replace('\n', "\r\n")),
         ("an element on two lines", "thing.obj", QUAD.replace(" 3 4", " \\\n3 4")),
+        ("a last line that is said to go on", "thing.obj", QUAD.replace("4\n", "4 \\")),
         ("the same with other line ends", "thing.obj", QUAD.replace(" 3 4", " \\\r\n3 4")),
     ];
     for (why, name, content) in table {

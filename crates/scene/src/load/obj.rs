@@ -16,7 +16,8 @@ pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
     let text = String::from_utf8_lossy(file::without_mark(&bytes));
     let mut reader = Reader::default();
     let mut begun = String::new();
-    for (number, line) in text.lines().enumerate() {
+    // The last line may be said to go on, too.
+    for (number, line) in text.lines().chain([""]).enumerate() {
         if let Some(part) = line.strip_suffix('\\') {
             begun.extend([part, " "]);
             continue;
