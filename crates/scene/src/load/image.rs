@@ -67,7 +67,9 @@ pub(super) fn mend(texture: &mut Texture) -> usize {
 pub(super) fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Texture, String> {
     let texture = match format {
         Some(format) => decode_with_image(bytes, format)?,
-        None => decode_exr(bytes)?,
+        // Where the library lets numbers wrap round, as B44 does with bad data, a debug build panics.
+        None => std::panic::catch_unwind(|| decode_exr(bytes))
+            .unwrap_or_else(|_| Err("the data of the image make no sense".to_owned()))?,
     };
     if texture.width == 0 || texture.height == 0 {
         return Err("the image has no pixels".to_owned());
