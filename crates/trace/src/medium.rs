@@ -1,7 +1,7 @@
 //! What fills the solids that a path is in.
 
 use glam::Vec3;
-use rotund_scene::{MaterialPoint, SceneHit};
+use rotund_scene::{MaterialKind, MaterialPoint, SceneHit};
 
 /// How many solids a path may be in at once; the innermost beyond that count as empty.
 const DEPTH: usize = 8;
@@ -15,6 +15,8 @@ pub(crate) struct Medium {
     pub(crate) albedo: Vec3,
     /// Mean cosine of scattering.
     pub(crate) anisotropy: f32,
+    /// Around it is a wall that bends light.
+    pub(crate) walled: bool,
 }
 
 /// The solids around a path, innermost last.
@@ -32,6 +34,7 @@ impl Medium {
             extinction: material.density,
             albedo: material.scattering,
             anisotropy: material.scanisotropy,
+            walled: material.kind == MaterialKind::Refractive,
         }
     }
 
@@ -125,6 +128,7 @@ mod tests {
             extinction: Vec3::new(0.5, 2.0, 0.0),
             albedo: Vec3::new(0.3, 0.9, 0.5),
             anisotropy: 0.0,
+            walled: false,
         };
         // What is scattered and what arrives: the integral of the extinction times albedo, and the
         // transmittance, over a limit of 1.5.

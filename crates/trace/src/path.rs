@@ -3,7 +3,8 @@
 //! At each vertex one direction is drawn from the lights and one from the BSDF, or the phase function
 //! inside of a medium. Either could have found what the other found, so both are weighted by the power
 //! heuristic. The second direction goes on; what it hits tells by itself with which density the lights
-//! would have found it.
+//! would have found it. Inside of a smooth solid that scatters no light can be drawn through the wall; there a
+//! path divides, and all parts go on.
 
 use crate::light::Receiver;
 use crate::medium::{Media, Medium};
@@ -11,7 +12,9 @@ use crate::shadow::{Departure, Target};
 use crate::{Bsdf, Lights, Options, Sampler, View, phase, power_heuristic, view};
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Aabb, Ray, leave_surface};
-use rotund_scene::{Material, MaterialKind, MaterialPoint, Pixels, Scene, SceneHit, Trees};
+use rotund_scene::{
+    Instance, Material, MaterialKind, MaterialPoint, Pixels, Scene, SceneHit, Trees,
+};
 
 /// What all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +25,8 @@ pub(crate) struct World<'a> {
     pub(crate) bounces: u32,
     /// No surface lets rays go straight through.
     pub(crate) opaque: bool,
+    /// Something may shine inside of a solid that scatters.
+    pub(crate) lit_inside: bool,
     /// All directions send radiance 1, and nothing else shines.
     pub(crate) furnace: bool,
     /// Of the scene, for a view that shows positions.
@@ -29,7 +34,7 @@ pub(crate) struct World<'a> {
 }
 
 /// What a path brings home.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Arrived {
     pub(crate) radiance: Vec3,
     /// A surface or an environment was met.
@@ -47,7 +52,13 @@ const SETS_PER_SEGMENT: u32 = 3;
 /// Sets of decisions at sheets of partial opacity, which come in any number.
 pub(crate) const SHEET_SETS: u32 = 1 << 16;
 
+/// Into how many a path is divided that goes into a solid that scatters: of light inside none can be drawn
+/// through a smooth wall, so it comes from the few paths that find the way out to it. Of four the camera's
+/// ray is paid for once.
+const PARTS: u32 = 4;
+
 /// Where the last direction was drawn, unless from a discrete few.
+#[derive(Clone, Copy)]
 struct Origin {
     receiver: Receiver,
     /// Density of the direction.
@@ -55,9 +66,10 @@ struct Origin {
 }
 
 /// A path under way.
+#[derive(Clone)]
 struct Path<'a> {
     world: &'a World<'a>,
-    sampler: &'a Sampler,
+    sampler: Sampler,
     ray: Ray,
     throughput: Vec3,
     origin: Option<Origin>,
@@ -65,12 +77,16 @@ struct Path<'a> {
     /// The segment that `ray` is, counted from 1 at the camera.
     segment: u32,
     sheets: u32,
+    /// It is one of [`PARTS`] already.
+    part: bool,
     arrived: Arrived,
 }
 
 /// Whether a path goes on.
 enum Next {
     Segment,
+    /// In several ways.
+    Parts,
     End,
 }
 
@@ -87,28 +103,54 @@ impl<'a> World<'a> {
             _ => Aabb::EMPTY,
         };
         let (bounces, furnace) = (options.bounces, options.view == View::Furnace);
-        Self { scene, trees, lights, bounces, opaque: is_opaque(scene), furnace, bounds }
+        let (opaque, lit_inside) = (is_opaque(scene), is_lit_inside(scene));
+        Self { scene, trees, lights, bounces, opaque, lit_inside, furnace, bounds }
     }
 
     /// The radiance that comes along a ray of unit direction.
     pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler) -> Arrived {
-        let mut path = Path {
+        let path = Path {
             world: self,
-            sampler,
+            sampler: *sampler,
             ray,
             throughput: Vec3::ONE,
             origin: None,
             media: Media::default(),
             segment: 1,
             sheets: 0,
-            arrived: Arrived { radiance: Vec3::ZERO, covered: false, rays: 0 },
+            part: false,
+            arrived: Arrived::default(),
         };
-        while path.segment <= self.bounces && matches!(path.step(), Next::Segment) {}
-        path.arrived
+        path.follow()
     }
 }
 
 impl Path<'_> {
+    /// Goes on to the end.
+    fn follow(mut self) -> Arrived {
+        while self.segment <= self.world.bounces {
+            match self.step() {
+                Next::Segment => {}
+                Next::Parts => return self.divide(),
+                Next::End => break,
+            }
+        }
+        self.arrived
+    }
+
+    /// The mean of several paths that go on from here, added to what has arrived.
+    fn divide(self) -> Arrived {
+        let mut sum = self.arrived;
+        for part in 0..PARTS {
+            let sampler = self.sampler.part(part, PARTS);
+            let path = Path { sampler, part: true, arrived: Arrived::default(), ..self.clone() };
+            let arrived = path.follow();
+            sum.radiance += arrived.radiance / PARTS as f32;
+            sum.rays += arrived.rays;
+        }
+        sum
+    }
+
     /// Follows the ray, gathers light at its end, and finds the next ray.
     fn step(&mut self) -> Next {
         let scene = self.world.scene;
@@ -230,14 +272,18 @@ impl Path<'_> {
         let outgoing = -self.ray.direction;
         let g = medium.anisotropy;
         let receiver = Receiver { position, normal: None };
-        self.gather_light(&receiver, &Departure::Inside(position), |incoming| {
-            let density = phase::henyey_greenstein(g, outgoing, incoming);
-            (Vec3::splat(density), density)
-        });
+        // A wall blocks what comes straight from outside.
+        let lit = !medium.walled || self.world.lit_inside;
+        if lit {
+            self.gather_light(&receiver, &Departure::Inside(position), |incoming| {
+                let density = phase::henyey_greenstein(g, outgoing, incoming);
+                (Vec3::splat(density), density)
+            });
+        }
         let [x, y, _, roulette] = self.numbers(1);
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
-        self.origin = Some(Origin { receiver, pdf });
+        self.origin = lit.then_some(Origin { receiver, pdf });
         self.go_on(Ray::new(position, incoming), roulette)
     }
 
@@ -263,15 +309,21 @@ impl Path<'_> {
         if !allowed(incoming) {
             return Next::End;
         }
+        let mut divided = false;
         if let Some(medium) = medium
             && hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0
         {
             self.media.cross(hit, incoming, medium);
+            let inside = self.media.innermost();
+            divided = !self.part && inside.is_some_and(|medium| medium.albedo != Vec3::ZERO);
         }
         self.throughput *= scattered.weight;
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
         let origin = leave_surface(hit.position, hit.error, hit.normal, incoming);
-        self.go_on(Ray::new(origin, incoming), roulette)
+        match self.go_on(Ray::new(origin, incoming), roulette) {
+            Next::Segment if divided => Next::Parts,
+            next => next,
+        }
     }
 
     /// Takes the next segment, unless nothing would come of it or Russian roulette ends the path.
@@ -325,4 +377,19 @@ fn is_opaque(scene: &Scene) -> bool {
     };
     scene.materials.iter().all(is_opaque)
         && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
+}
+
+/// False only if nothing shines inside of the solids that scatter.
+fn is_lit_inside(scene: &Scene) -> bool {
+    let boxes = |wanted: fn(&Material) -> bool| {
+        let of = |instance: &&Instance| wanted(&scene.materials[instance.material as usize]);
+        let found = scene.instances.iter().filter(of);
+        found.map(|instance| view::instance_bounds(scene, instance)).collect::<Vec<_>>()
+    };
+    let lamps = boxes(|material| material.emission != Vec3::ZERO);
+    let solids = boxes(|material| {
+        material.kind == MaterialKind::Refractive && material.scattering != Vec3::ZERO
+    });
+    let meet = |a: &Aabb, b: &Aabb| a.min.cmple(b.max).all() && b.min.cmple(a.max).all();
+    solids.iter().any(|solid| lamps.iter().any(|lamp| meet(solid, lamp)))
 }

@@ -54,6 +54,23 @@ impl Sampler {
         }
     }
 
+    /// The numbers of one of the `parts` paths that this one is divided into. Those of all paths of a
+    /// pixel are even together, as of one that has so many times the samples.
+    #[must_use]
+    pub(crate) fn part(&self, part: u32, parts: u32) -> Self {
+        match self.sequence {
+            Sequence::Sobol => {
+                let number = self.index.reverse_bits() * parts + part;
+                let key = mix(self.key ^ mix(u64::from(number >> SEQUENCE_BITS) + 1));
+                let index = number & ((1 << SEQUENCE_BITS) - 1);
+                Self { key, index: index.reverse_bits(), ..*self }
+            }
+            Sequence::Independent => {
+                Self { key: mix(self.key ^ mix(u64::from(part) + 1)), ..*self }
+            }
+        }
+    }
+
     /// The `set`-th four numbers.
     #[must_use]
     pub fn set(&self, set: u32) -> [f32; 4] {
@@ -138,6 +155,21 @@ mod tests {
                 }
                 assert!(counts.iter().all(|&count| count == 1), "set {set}, {rows} rows");
             }
+        }
+    }
+
+    #[test]
+    fn the_parts_of_all_samples_are_even_together() {
+        for (first, set) in [(0, 1), (64, 7), (65_472, 4)] {
+            let mut counts = vec![0; 64];
+            for sample in first..first + 16 {
+                for part in 0..4 {
+                    let whole = Sampler::new(Sequence::Sobol, 9, 5, 6, sample);
+                    let [x, y, ..] = whole.part(part, 4).set(set);
+                    counts[(y * 8.0) as usize * 8 + (x * 8.0) as usize] += 1;
+                }
+            }
+            assert!(counts.iter().all(|&count| count == 1), "from sample {first}, set {set}");
         }
     }
 

@@ -4,7 +4,7 @@ use crate::Sampler;
 use crate::path::{Arrived, SHEET_SETS, SHEETS, World};
 use glam::Vec3;
 use rotund_geometry::{Aabb, Ray, UNIT_ROUNDOFF, leave_surface};
-use rotund_scene::{ElementKind, MaterialPoint, Method, Scene, SceneHit};
+use rotund_scene::{ElementKind, Instance, MaterialPoint, Method, Scene, SceneHit};
 
 /// What a picture shows. All but the first two show what the camera sees first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,17 +127,20 @@ fn of_index(index: u32) -> Vec3 {
 
 /// A box around all instances.
 pub(crate) fn bounds(scene: &Scene) -> Aabb {
-    let of_instance = |instance: &rotund_scene::Instance| {
-        let shape = &scene.shapes[instance.shape as usize];
-        let frame = &instance.world_from_object;
-        let stretch = frame.matrix3.x_axis.length().max(frame.matrix3.y_axis.length());
-        let stretch = stretch.max(frame.matrix3.z_axis.length());
-        let radius = stretch * shape.radii.iter().copied().fold(0.0, f32::max);
-        let points = shape.positions.iter().map(|&p| frame.transform_point3(p));
-        let Aabb { min, max } = Aabb::from_points(points);
-        Aabb { min: min - radius, max: max + radius }
-    };
+    let of_instance = |instance| instance_bounds(scene, instance);
     scene.instances.iter().map(of_instance).fold(Aabb::EMPTY, Aabb::union)
+}
+
+/// A box around an instance.
+pub(crate) fn instance_bounds(scene: &Scene, instance: &Instance) -> Aabb {
+    let shape = &scene.shapes[instance.shape as usize];
+    let frame = &instance.world_from_object;
+    let stretch = frame.matrix3.x_axis.length().max(frame.matrix3.y_axis.length());
+    let stretch = stretch.max(frame.matrix3.z_axis.length());
+    let radius = stretch * shape.radii.iter().copied().fold(0.0, f32::max);
+    let points = shape.positions.iter().map(|&p| frame.transform_point3(p));
+    let Aabb { min, max } = Aabb::from_points(points);
+    Aabb { min: min - radius, max: max + radius }
 }
 
 /// What the camera sees first, for compositing and denoising; row by row from the top.

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use rotund_scene::{
-    Camera, Elements, Instance, Material, MaterialKind, Method, Scene, Shape, Trees,
+    Camera, Elements, Environment, Instance, Material, MaterialKind, Method, Scene, Shape, Trees,
 };
 use rotund_trace::{Lights, Options, View, render};
 use std::ops::ControlFlow;
@@ -48,14 +48,12 @@ fn glass(shapes: &[Solid], roughness: f32) -> Scene {
 
 /// The least, mean and largest pixel of a furnace.
 fn furnace(scene: &Scene) -> [f64; 3] {
-    let options = Options {
-        width: 48,
-        height: 32,
-        samples: 64,
-        bounces: 4096,
-        view: View::Furnace,
-        ..Options::default()
-    };
+    pixels(scene, View::Furnace)
+}
+
+fn pixels(scene: &Scene, view: View) -> [f64; 3] {
+    let options =
+        Options { width: 48, height: 32, samples: 64, bounces: 4096, view, ..Options::default() };
     let (trees, lights) = (Trees::build(scene), Lights::build(scene));
     let film =
         render(scene, &trees, &lights, 0, &options, &mut |_| ControlFlow::<()>::Continue(()));
@@ -119,5 +117,41 @@ fn frosted_glass_gains_no_light() {
         // The noise of Russian roulette is a few in ten thousand.
         assert!(mean < 1.0005, "{roughness}: {mean}");
         assert!(mean > 0.8, "{roughness}: {mean}, it does not go black");
+    }
+}
+
+/// Paths are divided where they go in, and lights are drawn inside only where there may be some.
+#[test]
+fn milk_that_absorbs_nothing_cannot_be_seen_in_white_light() {
+    let ball: Solid = (Elements::Points(1), &[[0.0, 0.0, 0.0, 1.0]]);
+    let shell: Solid = (Elements::Points(1), &[[0.0, 0.0, 0.0, 50.0]]);
+    for anisotropy in [0.0, 0.7] {
+        let mut in_sky = glass(std::slice::from_ref(&ball), 0.0);
+        let milk = &mut in_sky.materials[0];
+        milk.color = Vec3::splat(0.3);
+        milk.trdepth = 1.0;
+        milk.scattering = Vec3::ONE;
+        milk.scanisotropy = anisotropy;
+        in_sky.environments.push(Environment {
+            name: String::new(),
+            world_from_environment: Affine3A::IDENTITY,
+            emission: Vec3::ONE,
+            emission_tex: None,
+        });
+        let mut in_shell = glass(&[ball.clone(), shell.clone()], 0.0);
+        in_shell.materials = vec![
+            in_sky.materials[0].clone(),
+            Material { emission: Vec3::ONE, ..Material::default() },
+        ];
+        in_shell.instances[1].material = 1;
+        let views = [
+            ("a furnace", &in_sky, View::Furnace),
+            ("a sky", &in_sky, View::Path),
+            ("a shell that shines", &in_shell, View::Path),
+        ];
+        for (what, scene, view) in views {
+            let [_, mean, _] = pixels(scene, view);
+            assert!((mean - 1.0).abs() < 2e-3, "in {what}, anisotropy {anisotropy}: {mean}");
+        }
     }
 }

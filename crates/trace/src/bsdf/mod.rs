@@ -3,7 +3,7 @@
 //! | material | lobes |
 //! | --- | --- |
 //! | matte | Lambert |
-//! | glossy | GGX with dielectric Fresnel; Lambert weighted by 1 - F(normal, outgoing) |
+//! | glossy | GGX with dielectric Fresnel; Lambert, of 0.999 at most, weighted by 1 - F(normal, outgoing) |
 //! | reflective | GGX with conductor Fresnel, or a mirror |
 //! | refractive | GGX with dielectric Fresnel, reflected and refracted, or a smooth boundary |
 //! | transparent | GGX with dielectric Fresnel, and its mirror image below, tinted; or a smooth sheet |
@@ -67,6 +67,13 @@ enum Lobes {
     Nothing,
 }
 
+/// What a channel of the base of a glossy surface reflects at most.
+///
+/// The base is weighted by the Fresnel term of the normal, the coat by that of each facet. Together they
+/// would return up to 1.00072 of white light, at an index of 1.33, an alpha of 0.1 and a cosine of 0.68; a base
+/// of 0.99925 and less gains nothing at any index, width and angle.
+const WHITEST_BASE: f32 = 0.999;
+
 const NOTHING: BsdfValue = BsdfValue { value: Vec3::ZERO, pdf: 0.0 };
 
 impl Bsdf {
@@ -84,7 +91,7 @@ impl Bsdf {
             MaterialKind::Matte => Lobes::Matte { color },
             MaterialKind::Glossy => {
                 let reflected = fresnel::dielectric(ior, local.z);
-                let base = (1.0 - reflected) * color;
+                let base = (1.0 - reflected) * color.min(Vec3::splat(WHITEST_BASE));
                 // Roots draw the coat more often than it reflects, a sixth of the time for a
                 // twentieth: drawn lights bring most of what the base reflects, but hardly ever meet
                 // a narrow lobe.
