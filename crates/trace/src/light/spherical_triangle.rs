@@ -23,11 +23,9 @@ impl SphericalTriangle {
     /// or from within their plane.
     pub(super) fn seen(triangles: &[[Vec3; 3]], from: Vec3) -> Option<[Self; 2]> {
         let eye = from.as_dvec3();
-        let of = |index: usize| {
-            let corners = triangles
-                .get(index)
-                .map_or([DVec3::X; 3], |triangle| triangle.map(|corner| corner.as_dvec3() - eye));
-            Self::new(corners)
+        let of = |index: usize| match triangles.get(index) {
+            Some(triangle) => Self::new(triangle.map(|corner| corner.as_dvec3() - eye)),
+            None => Self { corners: [DVec3::X; 3], directions: [DVec3::X; 3], solid_angle: 0.0 },
         };
         let seen = [of(0), of(1)];
         (seen[0].solid_angle + seen[1].solid_angle > LEAST).then_some(seen)
@@ -49,7 +47,7 @@ impl SphericalTriangle {
         // The angle alpha at the first corner, between the planes of its sides.
         let (ab, ac) = (a.cross(b), a.cross(c));
         let (sine, cosine) = (ab.cross(ac).length(), ab.dot(ac));
-        let scale = sine.hypot(cosine);
+        let scale = (sine * sine + cosine * cosine).sqrt();
         let (sine, cosine) = (sine / scale, cosine / scale);
         // The side from a to c is cut so that a b c' has the first share of the solid angle. Arvo's
         // letters, and his formula: s and t are sine and cosine of that share less alpha.
