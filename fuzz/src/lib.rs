@@ -35,6 +35,9 @@ mod whole;
 pub fn survives(target: &str, bytes: &[u8], ratio: usize) {
     let Some((name, file, scene)) = input::files(target, bytes) else { return };
     static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
+        // The hook of libFuzzer ends the process, also at a panic that the loaders catch. One that they do not
+        // catch still ends it, when it gets to the fuzzer.
+        std::panic::set_hook(Box::new(|panic| eprintln!("{panic}")));
         let folder = tempfile::tempdir().expect("a temporary folder").keep();
         // Threads and tables that are made once are not to count.
         let warm = folder.join("warm.json");
