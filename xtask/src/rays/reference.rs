@@ -103,13 +103,18 @@ impl Plain {
         let mut waiting = vec![(0, 0..self.ids.len())];
         while let Some((node, range)) = waiting.pop() {
             let t_max = best.map_or(ray.t_max, |(_, hit)| hit.t);
-            if !meets(&self.boxes[node], ray, t_max) {
+            if entry(&self.boxes[node], ray, t_max).is_none() {
                 continue;
             }
             if range.len() > LEAF {
                 let middle = range.start + range.len() / 2;
-                waiting.push((2 * node + 1, range.start..middle));
-                waiting.push((2 * node + 2, middle..range.end));
+                let (low, high) = (2 * node + 1, 2 * node + 2);
+                let [to_low, to_high] =
+                    [low, high].map(|child| entry(&self.boxes[child], ray, t_max));
+                let [low, high] = [(low, range.start..middle), (high, middle..range.end)];
+                // The nearer one is the next: what is found there spares much of the other. None is less than
+                // any, and what is not met is soon done with.
+                waiting.extend(if to_low < to_high { [high, low] } else { [low, high] });
                 continue;
             }
             for &id in &self.ids[range] {
@@ -144,8 +149,9 @@ fn halve(ids: &mut [u32], bounds: &[Aabb], boxes: &mut [Aabb], node: usize) {
     halve(high, bounds, boxes, 2 * node + 2);
 }
 
-/// True if the ray meets the box within its interval up to `t_max`, or misses it by a rounding of `f32`.
-fn meets(bounds: &Aabb, ray: &Ray, t_max: f32) -> bool {
+/// Where the ray enters the box within its interval up to `t_max`, also if it misses it by a rounding of
+/// `f32`.
+fn entry(bounds: &Aabb, ray: &Ray, t_max: f32) -> Option<f64> {
     let slack = 1e-6;
     let mut near = f64::from(ray.t_min);
     let mut far = f64::from(t_max);
@@ -156,7 +162,7 @@ fn meets(bounds: &Aabb, ray: &Ray, t_max: f32) -> bool {
         let (low, high) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
         if d == 0.0 {
             if !(low <= o && o <= high) {
-                return false;
+                return None;
             }
             continue;
         }
@@ -165,7 +171,7 @@ fn meets(bounds: &Aabb, ray: &Ray, t_max: f32) -> bool {
         near = near.max(a - slack * a.abs());
         far = far.min(b + slack * b.abs());
     }
-    near <= far
+    (near <= far).then_some(near)
 }
 
 #[cfg(test)]
