@@ -3,7 +3,7 @@
 //! At each vertex one direction is drawn from the lights and one from the BSDF, or the phase function
 //! inside of a medium. Either could have found what the other found, so both are weighted by the power
 //! heuristic. The second direction goes on; what it hits tells by itself with which density the lights
-//! would have found it. Inside of a smooth solid that scatters no light can be drawn through the wall; there a
+//! would have found it. Inside of a solid that scatters no light can be drawn through the wall; there a
 //! path divides, and all parts go on.
 
 use crate::light::Receiver;
@@ -53,7 +53,7 @@ const SETS_PER_SEGMENT: u32 = 3;
 pub(crate) const SHEET_SETS: u32 = 1 << 16;
 
 /// Into how many a path is divided that goes into a solid that scatters: of light inside none can be drawn
-/// through a smooth wall, so it comes from the few paths that find the way out to it. Of four the camera's
+/// through the wall, so it comes from the few paths that find the way out to it. Of four the camera's
 /// ray is paid for once.
 const PARTS: u32 = 4;
 

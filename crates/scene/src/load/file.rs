@@ -82,7 +82,11 @@ fn or_dot(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
-/// Without the mark that some editors put before UTF-8.
-pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+/// The content of a text file without the mark that some editors put before UTF-8; an error if the mark is that of
+/// UTF-16.
+pub(super) fn text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8], LoadError> {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(LoadError::Encoding { path: path.to_owned() });
+    }
+    Ok(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }

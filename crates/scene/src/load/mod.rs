@@ -97,10 +97,7 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
 
 /// The JSON, with the path of whatever is wrong in it, and a warning for each unknown field.
 fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<SceneFile, LoadError> {
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(LoadError::Encoding { path: path.to_owned() });
-    }
-    let mut json = serde_json::Deserializer::from_slice(file::without_mark(bytes));
+    let mut json = serde_json::Deserializer::from_slice(file::text(path, bytes)?);
     let mut track = serde_path_to_error::Track::new();
     let tracked = serde_path_to_error::Deserializer::new(&mut json, &mut track);
     let mut unknown = Vec::new();

@@ -10,10 +10,7 @@ use std::{collections::HashMap, path::Path};
 /// Reads all objects of a file into one mesh.
 pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
     let bytes = file::read(path, named_by)?;
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(LoadError::Encoding { path: path.to_owned() });
-    }
-    let text = String::from_utf8_lossy(file::without_mark(&bytes));
+    let text = String::from_utf8_lossy(file::text(path, &bytes)?);
     let mut reader = Reader::default();
     let mut begun = String::new();
     // The last line may be said to go on, too.
