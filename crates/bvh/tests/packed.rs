@@ -2,7 +2,7 @@
 
 mod support;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rotund_bvh::{Bvh, ConeTree, Form, Isa, PatchTree, SphereTree, TriangleTree};
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use support::Random;
@@ -205,6 +205,39 @@ fn rays_that_graze_agree_with_a_loop() {
     check!(SphereTree, balls.clone(), at_balls, 300, point);
     check!(ConeTree, tubes.clone(), at_tubes, 300, line);
     check!(PatchTree, sheet.clone(), at_edges, 300, quad);
+}
+
+#[test]
+fn rays_that_leave_a_surface_agree_with_a_loop() {
+    let mut random = Random(78);
+    let sheet = patches(&mut random, 300, 0.3);
+    let faces = triangles(&mut random, 300, 0.3);
+    let mut leaving = |on: &mut dyn FnMut(&mut Random) -> Vec3| -> Vec<Ray> {
+        (0..3000)
+            .map(|i| {
+                let away = random.point().normalize();
+                // On the surface to the last bit, or off it by ever more.
+                let offset = if i % 4 == 0 { 0.0 } else { 2f32.powi(-(i % 30)) };
+                let ray = Ray::new(on(&mut random) + offset * away, away);
+                // Back into the surface, or with what it left in the interval.
+                match i % 3 {
+                    0 => ray,
+                    1 => Ray::new(ray.origin, -1024.0 * away),
+                    _ => Ray { t_min: -2.0 * offset, ..ray },
+                }
+            })
+            .collect()
+    };
+    let from_patches = leaving(&mut |random| {
+        let patch = sheet[random.below(sheet.len())];
+        patch.position(Vec2::new(random.unit(), random.unit()))
+    });
+    let from_faces = leaving(&mut |random| {
+        let face = faces[random.below(faces.len())];
+        face.p0.lerp(face.p1, random.unit()).lerp(face.p2, random.unit())
+    });
+    check!(PatchTree, sheet, from_patches, 1000, quad);
+    check!(TriangleTree, faces, from_faces, 1000, |triangle: &Triangle| *triangle);
 }
 
 #[test]

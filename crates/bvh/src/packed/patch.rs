@@ -2,11 +2,11 @@
 //!
 //! # The reject
 //!
-//! Both forms lie in the tetrahedron of the corners. Its picture, seen along the ray (`flat.rs`), is
-//! the union of those of its four faces; each is met if its three signed areas have the same sign,
-//! so if the least of them is not negative or the largest not positive.
+//! Seen along the ray (`flat.rs`), a triangle is met if its three signed areas have the same sign, so if the least of
+//! them is not negative or the largest not positive. The vanilla form is two triangles. The patch lies in the
+//! tetrahedron of the corners, whose picture is the union of those of its four faces.
 
-use super::flat::{FlatLanes, area, largest_side};
+use super::flat::{FlatLanes, area, largest_side, least, most};
 use super::kernel::{Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -68,28 +68,37 @@ impl Kernel for BilinearPatch {
         let c3 = ray.corner(simd, &corners[3]);
         let (a01, a12) = (area(simd, c0, c1), area(simd, c1, c2));
         let (a23, a30) = (area(simd, c2, c3), area(simd, c3, c0));
-        // Both directions of the diagonals: rounding is the same but for the sign.
         let (a02, a13) = (area(simd, c0, c2), area(simd, c1, c3));
         let zero = simd.splat(0.0);
+        // In the other direction rounding is the same but for the sign.
         let (a20, a31) = (simd.sub(zero, a02), simd.sub(zero, a13));
-        let positive = simd.max(
-            simd.max(least(simd, a01, a12, a20), least(simd, a02, a23, a30)),
-            simd.max(least(simd, a01, a13, a30), least(simd, a12, a23, a31)),
-        );
-        let negative = simd.min(
-            simd.min(most(simd, a01, a12, a20), most(simd, a02, a23, a30)),
-            simd.min(most(simd, a01, a13, a30), most(simd, a12, a23, a31)),
-        );
+        // The triangles of the vanilla form, and the other two faces.
+        let (first, second) = ([a13, a30, a01], [a31, a12, a23]);
+        let others = [[a12, a20, a01], [a02, a23, a30]];
+        let mut positive = simd.max(least(simd, first), least(simd, second));
+        let mut negative = simd.min(most(simd, first), most(simd, second));
+        if !VANILLA {
+            for face in others {
+                positive = simd.max(positive, least(simd, face));
+                negative = simd.min(negative, most(simd, face));
+            }
+        }
         let size = simd.load(&block.rows[12]);
         let error = ray.area_error(simd, size, c0.z);
-        let kept =
+        let mut kept =
             simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
         if kept == 0 {
             return Candidates::none(simd);
         }
+        if VANILLA {
+            kept = ray.ahead(simd, [&c0, &c1, &c3], first, size, error)
+                | ray.ahead(simd, [&c2, &c3, &c1], second, size, error);
+        }
         // If the outline turns around the ray, the ray passes through, in both forms.
-        let ends =
-            [simd.min(least(simd, a01, a12, a23), a30), simd.max(most(simd, a01, a12, a23), a30)];
+        let ends = [
+            simd.min(least(simd, [a01, a12, a23]), a30),
+            simd.max(most(simd, [a01, a12, a23]), a30),
+        ];
         let surely = ray.surely(simd, &c0, size, error, ends);
         ray.candidates(simd, &[c0, c1, c2, c3], limit, kept, surely)
     }
@@ -103,16 +112,6 @@ impl Kernel for BilinearPatch {
     fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
         if VANILLA { quad(self).closest_t(ray) } else { self.closest_t(ray) }
     }
-}
-
-#[inline(always)]
-fn least<S: Simd>(simd: S, a: S::Lanes, b: S::Lanes, c: S::Lanes) -> S::Lanes {
-    simd.min(simd.min(a, b), c)
-}
-
-#[inline(always)]
-fn most<S: Simd>(simd: S, a: S::Lanes, b: S::Lanes, c: S::Lanes) -> S::Lanes {
-    simd.max(simd.max(a, b), c)
 }
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 //!
 //! The reject: the three signed areas, seen along the ray (`flat.rs`), do not have the same sign.
 
-use super::flat::{FlatLanes, area, largest_side};
+use super::flat::{FlatLanes, area, largest_side, least, most};
 use super::kernel::{Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -59,13 +59,13 @@ impl Kernel for Triangle {
         let (a, b, c) = (area(simd, c0, c1), area(simd, c1, c2), area(simd, c2, c0));
         let size = simd.load(&block.rows[9]);
         let error = ray.area_error(simd, size, c0.z);
-        let positive = simd.min(simd.min(a, b), c);
-        let negative = simd.max(simd.max(a, b), c);
+        let (positive, negative) = (least(simd, [a, b, c]), most(simd, [a, b, c]));
         let kept = simd.mask_not_gt(simd.sub(simd.splat(0.0), error), positive)
             | simd.mask_not_gt(negative, error);
         if kept == 0 {
             return Candidates::none(simd);
         }
+        let kept = ray.ahead(simd, [&c0, &c1, &c2], [b, c, a], size, error);
         let surely = ray.surely(simd, &c0, size, error, [positive, negative]);
         ray.candidates(simd, &[c0, c1, c2], limit, kept, surely)
     }
