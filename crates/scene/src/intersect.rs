@@ -1,7 +1,7 @@
 //! Rays through a scene: a tree over instances, and under each a tree over the elements of its shape.
 
 use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame};
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 use rotund_bvh::{Bvh, ConeTree, Form, Isa, PatchTree, SphereTree, Statistics, TriangleTree};
 use rotund_geometry::{Aabb, Hit, Ray};
@@ -12,10 +12,13 @@ use rotund_geometry::{Aabb, Hit, Ray};
 /// no new trees. Any other change of shapes or instances does.
 #[derive(Clone, Debug)]
 pub struct Trees {
-    instances: Bvh,
+    /// Over `placements`.
+    upper: Bvh,
     placements: Vec<Placement>,
-    /// One for each shape.
-    shapes: Vec<ShapeTree>,
+    /// One for each shape; then those that several instances share.
+    trees: Vec<ShapeTree>,
+    /// Of each shared tree, how many elements are before those of each instance.
+    shared: Vec<Vec<u32>>,
     route: Route,
 }
 
@@ -37,21 +40,50 @@ pub enum Route {
 /// the element in the world and of its distance from the origin. `tests/frames.rs` holds it.
 const ROUND_TRIP: f32 = 8.0 * f32::EPSILON;
 
-/// An instance, prepared for rays.
+/// One instance, prepared for rays; or several that stand where their shapes do, in one tree.
 #[derive(Clone, Copy, Debug)]
 struct Placement {
+    /// The first, and its shape.
+    instance: u32,
     shape: u32,
+    /// Index into [`Trees::trees`].
+    tree: u32,
     frame: Frame,
     /// Vanilla points and lines nearer than this to the start of a ray, in object space, are what it
     /// has just left.
     ribbon_start: f32,
 }
 
+/// Instances of more triangles than this have but their own tree: one more beside it would take as much memory
+/// again, and save little.
+const FEW: usize = 64;
+
+/// The instances, divided into those that share a tree, each part with the number of its first.
+///
+/// Neighbours do that are but a few triangles each and need no frame, as the walls of a room: most of what a
+/// ray costs is then spent once and not in each. Only triangles have one form whatever the method. Neighbours,
+/// so that of equal hits the first instance wins by the order of placements and of triangles in them.
+fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
+    let small = |instance: &Instance| {
+        let elements = &scene.shapes[instance.shape as usize].elements;
+        instance.world_from_object == Affine3A::IDENTITY
+            && elements.kind() == ElementKind::Triangles
+            && elements.count() <= FEW
+    };
+    let parts = scene.instances.chunk_by(|a, b| small(a) && small(b));
+    parts
+        .scan(0, |next, part| {
+            let first = *next;
+            *next += part.len() as u32;
+            Some((first, part))
+        })
+        .collect()
+}
+
 impl Placement {
     fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {
         let mut ray = self.frame.object_ray(ray);
-        let round = matches!(shape.elements.kind(), ElementKind::Points | ElementKind::Lines);
-        if round && shape.method == Method::Vanilla {
+        if shape.is_ribbons() {
             ray.t_min = ray.t_min.max(self.ribbon_start / ray.direction.length());
         }
         ray
@@ -90,23 +122,34 @@ impl Trees {
     /// If an index in the scene is out of range.
     #[must_use]
     pub fn build(scene: &Scene) -> Self {
-        let shapes: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
-        let place = |instance: &Instance| {
-            let frame = Frame::new(instance.world_from_object);
-            let bounds = shapes[instance.shape as usize].bounds();
+        let mut trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
+        let parts = parts(scene);
+        let place = |&(instance, part): &(u32, &[Instance])| {
+            let Instance { shape, world_from_object, .. } = part[0];
+            let frame = Frame::new(world_from_object);
+            let bounds = trees[shape as usize].bounds();
             let ribbon_start = frame.ribbon_start(bounds);
-            (Placement { shape: instance.shape, frame, ribbon_start }, frame.world_bounds(bounds))
+            let placement = Placement { instance, shape, tree: shape, frame, ribbon_start };
+            (placement, frame.world_bounds(bounds))
         };
-        let (placements, boxes): (Vec<_>, Vec<_>) = scene.instances.par_iter().map(place).unzip();
-        let route = Route::default();
-        Self { instances: Bvh::build(&boxes), placements, shapes, route }
+        let (mut placements, mut boxes): (Vec<_>, Vec<_>) = parts.par_iter().map(place).unzip();
+        let mut shared = Vec::new();
+        for (index, (_, part)) in parts.iter().enumerate().filter(|(_, (_, part))| part.len() > 1) {
+            let (tree, starts) = shared_tree(scene, part);
+            placements[index].tree = trees.len() as u32;
+            boxes[index] = tree.bounds();
+            trees.push(ShapeTree::Triangles(tree));
+            shared.push(starts);
+        }
+        let upper = Bvh::build(&boxes);
+        Self { upper, placements, trees, shared, route: Route::default() }
     }
 
     /// The same trees, walked with these instructions: the answers are the same, to the bit.
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
-        let shapes = self.shapes.into_iter().map(|shape| shape.with_isa(isa)).collect();
-        Self { instances: self.instances.with_isa(isa), shapes, ..self }
+        let trees = self.trees.into_iter().map(|tree| tree.with_isa(isa)).collect();
+        Self { upper: self.upper.with_isa(isa), trees, ..self }
     }
 
     /// The same trees, whose hits come by this route.
@@ -121,31 +164,37 @@ impl Trees {
     /// `scene` is the one the trees were built of.
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
-        let (instance, t, (element, hit)) = self.instances.closest(ray, |id, ray| {
+        let test = |id: u32, ray: &Ray| {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let ray = placement.object_ray(shape, ray);
-            let tree = &self.shapes[placement.shape as usize];
+            let tree = &self.trees[placement.tree as usize];
             let (element, hit) = tree.closest(&ray, form(shape.method))?;
             Some((hit.t, (element, hit)))
-        })?;
-        let placement = &self.placements[instance as usize];
-        let shape = &scene.shapes[placement.shape as usize];
+        };
+        let (placement, t, (element, hit)) = if self.placements.len() == 1 {
+            let (t, found) = test(0, ray)?;
+            (0, t, found)
+        } else {
+            self.upper.closest(ray, test)?
+        };
+        let placement = &self.placements[placement as usize];
+        let (instance, element) = self.locate(placement, element);
+        let shape = &scene.shapes[scene.instances[instance as usize].shape as usize];
         let world = placement.frame.world_hit(&hit);
-        let primitive = shape.primitive(element);
         let hit = SceneHit {
             instance,
             element,
-            uv: primitive.uv(&hit),
+            uv: shape.uv(element, &hit),
             t,
             position: world.position,
             normal: world.normal,
             error: world.error,
         };
-        if self.route == Route::Carried || primitive.is_ribbon() {
+        if self.route == Route::Carried || shape.is_ribbons() {
             return Some(hit);
         }
-        let bounds = placement.frame.world_bounds(primitive.bounds());
+        let bounds = placement.frame.world_bounds(shape.primitive(element).bounds());
         let scale = (bounds.max - bounds.min).length() + hit.position.length();
         Some(SceneHit {
             position: scene.eval_position(instance, element, hit.uv),
@@ -159,18 +208,33 @@ impl Trees {
     /// The size of the tree under each shape, in order.
     #[must_use]
     pub fn statistics(&self) -> Vec<Statistics> {
-        self.shapes.iter().map(ShapeTree::statistics).collect()
+        self.trees[..self.shape_count()].iter().map(ShapeTree::statistics).collect()
+    }
+
+    fn shape_count(&self) -> usize {
+        self.trees.len() - self.shared.len()
+    }
+
+    /// An instance and an element of its shape, from an element of the tree of a placement.
+    fn locate(&self, placement: &Placement, element: u32) -> (u32, u32) {
+        let Some(shared) = (placement.tree as usize).checked_sub(self.shape_count()) else {
+            return (placement.instance, element);
+        };
+        let starts = &self.shared[shared];
+        let place = starts.partition_point(|&start| start <= element) - 1;
+        (placement.instance + place as u32, element - starts[place])
     }
 
     /// True if the ray meets anything with `t` in `t_min..=t_max`.
     #[must_use]
     pub fn any(&self, scene: &Scene, ray: &Ray) -> bool {
-        self.instances.any(ray, |id, ray| {
+        let test = |id: u32, ray: &Ray| {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let ray = placement.object_ray(shape, ray);
-            self.shapes[placement.shape as usize].any(&ray, form(shape.method))
-        })
+            self.trees[placement.tree as usize].any(&ray, form(shape.method))
+        };
+        if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }
 }
 
@@ -250,6 +314,19 @@ impl ShapeTree {
             Self::Quads(tree) => tree.any(ray, form),
         }
     }
+}
+
+/// A tree over the triangles of all these instances, and how many are before those of each.
+fn shared_tree(scene: &Scene, instances: &[Instance]) -> (TriangleTree, Vec<u32>) {
+    let (mut triangles, mut starts) = (Vec::new(), Vec::new());
+    for instance in instances {
+        let shape = &scene.shapes[instance.shape as usize];
+        starts.push(triangles.len() as u32);
+        if let Elements::Triangles(elements) = &shape.elements {
+            triangles.extend(elements.iter().map(|&vertices| shape.triangle(vertices)));
+        }
+    }
+    (TriangleTree::build(&triangles), starts)
 }
 
 fn form(method: Method) -> Form {

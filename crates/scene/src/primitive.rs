@@ -43,11 +43,6 @@ impl Primitive {
         each!(self, primitive => primitive.bounds())
     }
 
-    /// True of what stands where the ray meets it.
-    pub(crate) fn is_ribbon(&self) -> bool {
-        matches!(self, Self::Point(_) | Self::Line(_))
-    }
-
     pub(crate) fn position(&self, uv: Vec2) -> Vec3 {
         each!(self, primitive => primitive.position(uv))
     }
@@ -58,6 +53,25 @@ impl Primitive {
 }
 
 impl Shape {
+    fn is_round(&self) -> bool {
+        matches!(self.elements, Elements::Points(_) | Elements::Lines(_))
+    }
+
+    /// True if its elements have no sides and stand where the ray meets them: vanilla points and lines.
+    pub(crate) fn is_ribbons(&self) -> bool {
+        self.method == Method::Vanilla && self.is_round()
+    }
+
+    /// The parameters of a hit of an element.
+    pub(crate) fn uv(&self, element: u32, hit: &Hit) -> Vec2 {
+        if self.method == Method::Enhanced && self.is_round() {
+            self.primitive(element).uv(hit)
+        } else {
+            // All others are hit at their parameters, so the vertices need not be fetched.
+            hit.parameters
+        }
+    }
+
     /// The primitive that an element is under the shape's method.
     pub(crate) fn primitive(&self, element: u32) -> Primitive {
         let vanilla = self.method == Method::Vanilla;

@@ -6,6 +6,7 @@ use crate::path::{SHEETS, World};
 use glam::Vec3;
 use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
 use rotund_scene::{MaterialKind, SceneHit};
+use std::borrow::Cow;
 
 /// Where a shadow ray starts.
 pub(crate) enum Departure<'a> {
@@ -33,9 +34,11 @@ impl World<'_> {
         &self,
         departure: &Departure<'_>,
         target: &Target,
-        mut media: Media,
+        media: &Media,
     ) -> (Vec3, u64) {
         let incoming = target.incoming;
+        // Copied only where the way crosses a border.
+        let mut media = Cow::Borrowed(media);
         // Both ends leave their surfaces. How far along the ray an end is off its surface can be
         // less than the rounding of `t`, which is some units in the last place.
         let end = target
@@ -57,7 +60,7 @@ impl World<'_> {
                 if let Some(medium) = medium
                     && hit.normal.dot(*outgoing) * hit.normal.dot(incoming) < 0.0
                 {
-                    media.cross(hit, incoming, *medium);
+                    media.to_mut().cross(hit, incoming, *medium);
                 }
                 leave_surface(hit.position, hit.error, hit.normal, incoming)
             }
@@ -78,7 +81,7 @@ impl World<'_> {
             let material = self.scene.eval_material(sheet.instance, sheet.element, sheet.uv);
             if material.kind == MaterialKind::Volumetric && borders > 0 {
                 borders -= 1;
-                media.cross(&sheet, incoming, Medium::new(&material));
+                media.to_mut().cross(&sheet, incoming, Medium::new(&material));
             } else if material.opacity < 1.0 {
                 share *= 1.0 - material.opacity;
             } else {
