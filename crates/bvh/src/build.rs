@@ -35,8 +35,8 @@ pub const MAX_PRIMITIVES: usize = Child::MAX_INDEX as usize;
 pub(crate) struct Built {
     pub(crate) tree: Tree,
     /// In the order of the tree, ids of all boxes that are not empty.
-    pub(crate) records: Vec<Record>,
-    /// The records of leaf `i`, for `Child::leaf(i)`.
+    pub(crate) ids: Vec<u32>,
+    /// Where the ids of leaf `i` are, for `Child::leaf(i)`.
     pub(crate) leaves: Vec<Range<u32>>,
 }
 
@@ -69,7 +69,7 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
     }
     if records.is_empty() {
         let tree = Tree { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
-        return Built { tree, records, leaves: Vec::new() };
+        return Built { tree, ids: Vec::new(), leaves: Vec::new() };
     }
 
     let method = Method { leaf_size: leaf_size as usize, isa: Isa::default_set() };
@@ -102,7 +102,13 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
         root = Child::node(0);
     }
     let tree = Tree { nodes: joined.nodes, root, bounds: extent.bounds() };
-    Built { tree, records, leaves: joined.leaves }
+    // The boxes go, so that what comes next takes their memory and asks the system for less.
+    let ids = if count <= TASK {
+        records.iter().map(Record::id).collect()
+    } else {
+        records.par_iter().map(Record::id).collect()
+    };
+    Built { tree, ids, leaves: joined.leaves }
 }
 
 /// How the tree is built.

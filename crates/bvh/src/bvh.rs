@@ -79,7 +79,7 @@ impl Bvh {
         let id = |child: Child| match child {
             Child::NONE => child,
             leaf if leaf.is_leaf() => {
-                Child::leaf(built.records[built.leaves[leaf.index()].start as usize].id())
+                Child::leaf(built.ids[built.leaves[leaf.index()].start as usize])
             }
             node => node,
         };

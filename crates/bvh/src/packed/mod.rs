@@ -83,9 +83,9 @@ impl<P: Kernel> Packed<P> {
         let bounds = |id: u32| primitives[id as usize].bounds();
         let built = build(primitives.len(), bounds, WIDTH as u32);
         let packed = |range: &std::ops::Range<u32>| {
-            let records = &built.records[range.start as usize..range.end as usize];
+            let few = &built.ids[range.start as usize..range.end as usize];
             let ids: [u32; WIDTH] =
-                std::array::from_fn(|lane| records.get(lane).map_or(NO_ID, |record| record.id()));
+                std::array::from_fn(|lane| few.get(lane).copied().unwrap_or(NO_ID));
             let lane = |id: u32| primitives[if id == NO_ID { ids[0] } else { id } as usize];
             P::pack(&ids.map(lane), ids)
         };
