@@ -26,6 +26,18 @@ impl<const ROWS: usize> Block<ROWS> {
     }
 }
 
+/// A block that starts where a cache line does: one whose size is a multiple of that would else reach into one more.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Aligned<B>(pub(crate) B);
+
+impl<B: HasIds> HasIds for Aligned<B> {
+    #[inline(always)]
+    fn ids(&self) -> &[u32; WIDTH] {
+        self.0.ids()
+    }
+}
+
 /// What all blocks have.
 pub trait HasIds {
     /// The ids of the lanes.

@@ -7,7 +7,7 @@
 //! tetrahedron of the corners, whose picture is the union of those of its four faces.
 
 use super::flat::{FlatLanes, area, largest_side, least, most};
-use super::kernel::{Block, Candidates, Kernel};
+use super::kernel::{Aligned, Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
@@ -15,7 +15,7 @@ use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, vanilla};
 
 /// Rows: the corners p00, p10, p11, p01 (around the patch), and the largest side of their box.
 impl Kernel for BilinearPatch {
-    type Block = Block<13>;
+    type Block = Aligned<Block<13>>;
     const APART: bool = false;
     type Lanes<S: Simd> = FlatLanes<S>;
 
@@ -24,7 +24,7 @@ impl Kernel for BilinearPatch {
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
 
-    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Block<13> {
+    fn pack(lanes: &[Self; WIDTH], ids: [u32; WIDTH]) -> Aligned<Block<13>> {
         let mut rows = [[0.0; WIDTH]; 13];
         for (lane, patch) in lanes.iter().enumerate() {
             let corners = [patch.p00, patch.p10, patch.p11, patch.p01];
@@ -35,12 +35,12 @@ impl Kernel for BilinearPatch {
             }
             rows[12][lane] = largest_side(&corners);
         }
-        Block { rows, ids }
+        Aligned(Block { rows, ids })
     }
 
     #[inline(always)]
-    fn unpack(block: &Block<13>, lane: usize) -> Self {
-        let [x0, y0, z0, x1, y1, z1, x2, y2, z2, x3, y3, z3, _] = block.lane(lane);
+    fn unpack(block: &Aligned<Block<13>>, lane: usize) -> Self {
+        let [x0, y0, z0, x1, y1, z1, x2, y2, z2, x3, y3, z3, _] = block.0.lane(lane);
         Self {
             p00: [x0, y0, z0].into(),
             p10: [x1, y1, z1].into(),
@@ -58,10 +58,10 @@ impl Kernel for BilinearPatch {
     fn candidates<S: Simd, const VANILLA: bool>(
         simd: S,
         ray: &FlatLanes<S>,
-        block: &Block<13>,
+        block: &Aligned<Block<13>>,
         limit: f32,
     ) -> Candidates<S> {
-        let (corners, _) = block.rows.as_chunks::<3>();
+        let (corners, _) = block.0.rows.as_chunks::<3>();
         let c0 = ray.corner(simd, &corners[0]);
         let c1 = ray.corner(simd, &corners[1]);
         let c2 = ray.corner(simd, &corners[2]);
@@ -83,7 +83,7 @@ impl Kernel for BilinearPatch {
                 negative = simd.min(negative, most(simd, face));
             }
         }
-        let size = simd.load(&block.rows[12]);
+        let size = simd.load(&block.0.rows[12]);
         let error = ray.area_error(simd, size, c0.z);
         let mut kept =
             simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
