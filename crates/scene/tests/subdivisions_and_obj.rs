@@ -141,13 +141,13 @@ fn a_mesh_of_no_levels_keeps_the_normals_of_its_file_until_it_is_displaced() {
 }
 
 #[test]
-fn displacement_goes_along_the_normal_by_the_mean_of_the_texture_less_a_half() {
-    // Eight bumps in eight pixels: black everywhere, whose pixels stand at the rims.
+fn displacement_goes_along_the_normal_by_the_mean_of_all_four_channels_less_a_half() {
+    // Eight bumps in eight pixels: black everywhere, whose pixels stand at the rims. Alpha is 1.
     let sheet =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
     let shape =
         subdivided(sheet, r#", "displacement": 0.5, "displacement_tex": 0"#).expect("displaces");
-    assert!(shape.positions.iter().all(|p| p.z == -0.25), "{:?}", shape.positions);
+    assert!(shape.positions.iter().all(|p| p.z == 0.5 * (0.25 - 0.5)), "{:?}", shape.positions);
 }
 
 #[test]

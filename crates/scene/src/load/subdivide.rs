@@ -16,7 +16,8 @@ pub(super) struct Subdivision<'a> {
     pub catmull_clark: bool,
     /// Normals at vertices, rather than none.
     pub smooth: bool,
-    /// In meters along the normal, times the mean of the colour of the texture; bytes count from -1/2.
+    /// In meters along the normal, times the mean of the four channels of the texture, less 1/2 if they are
+    /// bytes. That alpha counts is yocto-gl's rule: grey from 0 to 1 displaces by -1/4 to 1/2.
     pub displacement: Option<(f32, &'a Texture)>,
 }
 
@@ -277,13 +278,14 @@ impl Surface {
             for (&vertex, &uv) in face.points.iter().zip(&of_texture.points) {
                 // The mean where a seam of the texture meets: the surface stays closed.
                 let uv = self.texcoords.points[uv as usize].truncate();
-                heights[vertex as usize].add(texture.data(uv).truncate());
+                let height = texture.data(uv).element_sum() / 4.0;
+                heights[vertex as usize].add(Vec3::splat(height));
             }
         }
         let normals = self.positions.normals();
         for ((position, normal), own) in self.positions.points.iter_mut().zip(normals).zip(&heights)
         {
-            *position += normal * (height * (own.get().element_sum() / 3.0 - zero));
+            *position += normal * (height * (own.get().x - zero));
         }
     }
 
