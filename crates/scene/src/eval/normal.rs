@@ -2,7 +2,8 @@
 
 use super::{position::transform_normal, weights::Weights};
 use crate::{
-    Elements, MaterialKind, Method, Scene, SceneHit, Shape, Texture, primitive::Primitive,
+    ElementKind, Elements, MaterialKind, Method, Scene, SceneHit, Shape, Texture,
+    primitive::Primitive,
 };
 use glam::{Mat3A, Vec2, Vec3};
 use rotund_geometry::UNIT_ROUNDOFF;
@@ -167,6 +168,9 @@ fn bounded(normal: Vec3, up: Vec3, outgoing: Vec3) -> Vec3 {
 
 /// The normal of a face: two triangles that stand for a quad share the mean of theirs, as in yocto-gl.
 fn face_normal(shape: &Shape, element: u32, matrix: &Mat3A, geometric: Vec3) -> Vec3 {
+    if shape.elements.kind() != ElementKind::Quads {
+        return geometric;
+    }
     let Primitive::Quad(quad) = shape.primitive(element) else { return geometric };
     let of_triangle = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).normalize_or_zero();
     let sum = of_triangle(quad.p0, quad.p1, quad.p3) + of_triangle(quad.p2, quad.p3, quad.p1);

@@ -53,6 +53,8 @@ enum Surface {
     Patch([Vec3; 4]),
     Ball(Ball),
     Cone(Cone),
+    /// The second triangle of a rectangle that the element before stands for.
+    SecondHalf,
     /// Nothing is drawn from it.
     None,
 }
@@ -79,10 +81,7 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
             far2: 0.0,
             error: 0.0,
         };
-        let Aabb { min, max } = emitter.extent().bounds;
-        emitter.center = 0.5 * (min + max);
-        emitter.far2 = FAR * FAR * 0.25 * (max - min).length_squared();
-        emitter.error = 10.0 * UNIT_ROUNDOFF * min.abs().max(max.abs()).max_element();
+        emitter.measure();
         let area = emitter.area();
         if area > 0.0 && area.is_finite() {
             let mean = emitter.mean_radiance(scene, varies);
@@ -91,7 +90,12 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
         }
         emitter
     };
-    Some((0..shape.elements.count() as u32).map(emitter).collect())
+    let mut emitters: Vec<_> = (0..shape.elements.count() as u32).map(emitter).collect();
+    for second in 1..emitters.len() {
+        let [a, b] = &mut emitters[second - 1..=second] else { continue };
+        a.join(b);
+    }
+    Some(emitters)
 }
 
 fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
@@ -143,6 +147,35 @@ fn scale(frame: &Affine3A) -> Option<f32> {
 }
 
 impl Emitter {
+    /// Finds what depends on the bounds.
+    fn measure(&mut self) {
+        let Aabb { min, max } = self.extent().bounds;
+        self.error = 10.0 * UNIT_ROUNDOFF * min.abs().max(max.abs()).max_element();
+        self.center = 0.5 * (min + max);
+        self.far2 = FAR * FAR * 0.25 * (max - min).length_squared();
+    }
+
+    /// Takes over what follows, if these are the triangles of one rectangle, as meshes have them: one emitter is
+    /// chosen and drawn faster than two.
+    fn join(&mut self, next: &mut Self) {
+        if let (Surface::Triangle(a), Surface::Triangle(b)) = (&self.surface, &next.surface)
+            && self.even.is_some()
+            && next.even.is_some()
+            && let Some(rectangle) = flat::around(*a, *b).and_then(Rectangle::try_new)
+        {
+            self.surface = Surface::Rectangle(rectangle);
+            self.power += next.power;
+            self.measure();
+            next.surface = Surface::SecondHalf;
+            next.power = 0.0;
+        }
+    }
+
+    /// True if the element before stands for this one.
+    pub(super) fn is_second_half(&self) -> bool {
+        matches!(self.surface, Surface::SecondHalf)
+    }
+
     fn area(&self) -> f32 {
         match &self.surface {
             Surface::Triangle(corners) => flat::triangle_area(*corners),
@@ -154,7 +187,7 @@ impl Emitter {
             }
             Surface::Ball(ball) => ball.area(),
             Surface::Cone(cone) => cone.area(),
-            Surface::None => 0.0,
+            Surface::SecondHalf | Surface::None => 0.0,
         }
     }
 
@@ -201,7 +234,7 @@ impl Emitter {
                 let [b0, b1] = &cone.balls;
                 (ball_bounds(b0).union(ball_bounds(b1)), Vec3::ZERO)
             }
-            Surface::None => (Aabb::EMPTY, Vec3::ZERO),
+            Surface::SecondHalf | Surface::None => (Aabb::EMPTY, Vec3::ZERO),
         };
         Extent { bounds, power: self.power, normal }
     }
@@ -242,7 +275,7 @@ impl Emitter {
             Surface::Patch(corners) => surface_point(flat::patch(*corners, u)?),
             Surface::Ball(ball) => round_point(ball.sample(from, u)),
             Surface::Cone(cone) => round_point(cone.sample(from, u)?),
-            Surface::None => return None,
+            Surface::SecondHalf | Surface::None => return None,
         };
         (point.pdf > 0.0 && point.pdf.is_finite()).then_some(point)
     }
@@ -261,7 +294,7 @@ impl Emitter {
             Surface::Patch(corners) => Density::Area(flat::patch_pdf(*corners, hit.uv)),
             Surface::Ball(ball) => ball.density(from),
             Surface::Cone(cone) => cone.density(from, hit.position),
-            Surface::None => return 0.0,
+            Surface::SecondHalf | Surface::None => return 0.0,
         };
         solid_angle_density(density, from, hit.position, hit.normal)
     }

@@ -23,6 +23,14 @@ pub(super) fn halves([p0, p1, p2, p3]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
     [[p0, p1, p3], [p2, p3, p1]]
 }
 
+/// The corners, in order, around two triangles that share a side and no more.
+pub(super) fn around(a: [Vec3; 3], b: [Vec3; 3]) -> Option<[Vec3; 4]> {
+    let alone = a.iter().position(|corner| !b.contains(corner))?;
+    let opposite = b.into_iter().find(|corner| !a.contains(corner))?;
+    let side = [a[(alone + 1) % 3], a[(alone + 2) % 3]];
+    side.iter().all(|end| b.contains(end)).then_some([a[alone], side[0], opposite, side[1]])
+}
+
 /// Areas of the two triangles of a quad.
 pub(super) fn triangle_areas(corners: [Vec3; 4]) -> [f32; 2] {
     halves(corners).map(triangle_area)

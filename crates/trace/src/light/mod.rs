@@ -146,7 +146,8 @@ impl Lights {
     /// if it never does.
     pub(crate) fn hit_pdf(&self, receiver: &Receiver, hit: &SceneHit) -> f32 {
         let Some(first) = self.first_emitter[hit.instance as usize] else { return 0.0 };
-        let index = first + hit.element;
+        let mut index = first + hit.element;
+        index -= u32::from(self.emitters[index as usize].is_second_half());
         let emitter = &self.emitters[index as usize];
         if emitter.power <= 0.0 {
             return 0.0;

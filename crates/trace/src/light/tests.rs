@@ -142,6 +142,36 @@ fn a_rectangle_lights_as_the_closed_form_says() {
     }
 }
 
+#[test]
+fn the_triangles_of_a_rectangle_shine_as_one() {
+    let corners = [[-0.5, 0.0, -0.3], [0.5, 0.0, -0.3], [0.5, 0.0, 0.3], [-0.5, 0.0, 0.3]];
+    let bent = [corners[0], corners[1], corners[2], [-0.5, 0.1, 0.3]];
+    let mesh = |triangles: &[[u32; 3]], corners: &[[f32; 3]; 4]| {
+        shining(Elements::Triangles(triangles.to_vec()), Method::Vanilla, corners, &[])
+    };
+    let quad = shining(Elements::Quads(vec![[0, 1, 2, 3]]), Method::Vanilla, &corners, &[]);
+    let receiver = Receiver { position: Vec3::new(0.7, -0.6, 0.1), normal: Some(Vec3::Y) };
+    let pdf = |scene: &Scene, choice| {
+        let light = Lights::build(scene).sample(&receiver, choice, Vec2::new(0.3, 0.6));
+        light.expect("the light is above").pdf
+    };
+    for (why, scene, one) in [
+        ("a fan", mesh(&[[0, 1, 2], [0, 2, 3]], &corners), true),
+        ("the other diagonal", mesh(&[[1, 2, 3], [0, 1, 3]], &corners), true),
+        ("turned differently", mesh(&[[2, 0, 1], [3, 0, 2]], &corners), true),
+        ("one from behind", mesh(&[[0, 1, 2], [0, 3, 2]], &corners), true),
+        ("bent", mesh(&[[0, 1, 2], [0, 2, 3]], &bent), false),
+        ("a triangle twice", mesh(&[[0, 1, 2], [0, 1, 2]], &corners), false),
+        ("a triangle alone", mesh(&[[0, 1, 2]], &corners), false),
+    ] {
+        for choice in [0.01, 0.99] {
+            let (found, expected) = (pdf(&scene, choice), pdf(&quad, choice));
+            let same = (found / expected - 1.0).abs() < 1e-4;
+            assert_eq!(same, one, "{why}: {found}, of the rectangle {expected}");
+        }
+    }
+}
+
 /// Ten thousand balls of very unequal power: the choice must be right, and better than one by power.
 #[test]
 fn many_lights_are_chosen_by_what_they_add() {
