@@ -15,7 +15,7 @@ use glam::Vec4;
 const MAX_BINS: usize = 32;
 
 /// Short ranges have at most this many, and pay for no more.
-const FEW_BINS: usize = 8;
+const FEW_BINS: usize = 16;
 
 /// 2^23: adding it to a small number leaves the nearest integer in the low bits.
 const NEAREST: f32 = 8_388_608.0;
@@ -167,7 +167,8 @@ fn leaves(count: u32, leaf_size: u32) -> f32 {
 
 /// The best place to cut `records`, which are at least two.
 pub(crate) fn find_split(records: &[Record], extent: &Extent, leaf_size: u32, isa: Isa) -> Split {
-    let used = (4 + records.len() / 20).min(MAX_BINS);
+    // Many, also for short ranges: there they let a cut leave full leaves on both sides.
+    let used = (8 + records.len() / 16).min(MAX_BINS);
     let mapping = &Mapping::new(&extent.middles, used);
     let scale = unit_scale(extent);
     if records.len() > PIECE {
