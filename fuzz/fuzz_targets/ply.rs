@@ -8,4 +8,4 @@ use libfuzzer_sys::fuzz_target;
 /// as much again twice while an array grows or is promoted to quads.
 const RATIO: usize = 64;
 
-fuzz_target!(|bytes: &[u8]| rotund_fuzz::survives("ply", bytes, RATIO));
+fuzz_target!(|bytes: &[u8]| rotund_fuzz::survives("ply", bytes, RATIO, 0));

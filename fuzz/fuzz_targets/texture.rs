@@ -8,4 +8,4 @@ use libfuzzer_sys::fuzz_target;
 /// channels, once as four channels.
 const RATIO: usize = 1400 * 12;
 
-fuzz_target!(|bytes: &[u8]| rotund_fuzz::survives("texture", bytes, RATIO));
+fuzz_target!(|bytes: &[u8]| rotund_fuzz::survives("texture", bytes, RATIO, 0));

@@ -31,8 +31,8 @@ mod whole;
 /// # Panics
 ///
 /// If what loads does not hold together, or if loading takes more than `ratio` times the length of the
-/// files and a fixed amount, which is what the readers' own buffers and tables take.
-pub fn survives(target: &str, bytes: &[u8], ratio: usize) {
+/// files, a fixed amount, which is what the readers' own buffers and tables take, and `more`.
+pub fn survives(target: &str, bytes: &[u8], ratio: usize, more: usize) {
     let Some((name, file, scene)) = input::files(target, bytes) else { return };
     static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
         // The hook of libFuzzer ends the process, also at a panic that the loaders catch. One that they do not
@@ -55,7 +55,7 @@ pub fn survives(target: &str, bytes: &[u8], ratio: usize) {
     PEAK.store(before, Relaxed);
     let loaded = load(&path, &LoadOptions::default());
     let taken = PEAK.load(Relaxed).saturating_sub(before);
-    let allowed = FIXED + ratio * (file.len() + scene.len());
+    let allowed = FIXED + more + ratio * (file.len() + scene.len());
     assert!(taken <= allowed, "{taken} bytes of memory for {} of a file", file.len());
     if let Ok(loaded) = loaded {
         whole::check(&loaded.scene);

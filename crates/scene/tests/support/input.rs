@@ -27,10 +27,11 @@ pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<
 fn asks_for_much(bytes: &[u8]) -> bool {
     let has = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
     let long = bytes.windows(3).any(|window| window.iter().all(u8::is_ascii_digit));
-    // Each level makes four quads of one.
-    let deep = bytes
-        .windows(16)
-        .any(|w| w.starts_with(b"subdivisions\"") && w.iter().any(|c| (b'5'..=b'9').contains(c)));
+    // Each level makes four quads of one, and a generator may have made thousands.
+    let deepest = if has(b"generator") { b'2' } else { b'4' };
+    let deep = bytes.windows(16).any(|w| {
+        w.starts_with(b"subdivisions\"") && w.iter().any(|&c| c > deepest && c.is_ascii_digit())
+    });
     let exponent = bytes.windows(2).any(|w| w[0].is_ascii_digit() && w[1] | 32 == b'e');
     (has(b"generator") || has(b"subdivisions")) && (long || exponent || deep)
 }
