@@ -43,6 +43,20 @@ impl Environment {
         let local = Vec3::new(cos_u * sin_v, cos_v, sin_u * sin_v);
         self.world_from_environment.transform_vector3(local)
     }
+
+    /// The radiance that comes from `direction`, which need not have unit length.
+    #[must_use]
+    pub fn radiance(&self, scene: &Scene, direction: Vec3) -> Vec3 {
+        let image = self.emission_tex.is_some();
+        self.radiance_at(scene, if image { self.uv(direction) } else { Vec2::ZERO })
+    }
+
+    /// The radiance that comes from where the image has `uv`; see [`Self::uv`].
+    #[must_use]
+    pub fn radiance_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+        let of_image = |index: u32| scene.textures[index as usize].color(uv).truncate();
+        self.emission_tex.map_or(self.emission, |index| self.emission * of_image(index))
+    }
 }
 
 impl Scene {
@@ -50,13 +64,6 @@ impl Scene {
     /// environments.
     #[must_use]
     pub fn eval_environment(&self, direction: Vec3) -> Vec3 {
-        let radiance = |environment: &Environment| match environment.emission_tex {
-            Some(texture) => {
-                let color = self.textures[texture as usize].color(environment.uv(direction));
-                environment.emission * color.truncate()
-            }
-            None => environment.emission,
-        };
-        self.environments.iter().map(radiance).sum()
+        self.environments.iter().map(|environment| environment.radiance(self, direction)).sum()
     }
 }

@@ -41,38 +41,44 @@ impl Table {
     }
 }
 
-/// A grid of weights.
+/// Grids of weights, all of the same size.
 #[derive(Clone, Debug)]
-pub(crate) struct Grid {
-    rows: Table,
-    /// Of each row.
+pub(crate) struct Grids {
+    width: usize,
+    height: usize,
+    /// One row of chances for each grid, of its rows.
+    rows: Sums,
+    /// Of each row of each grid.
     columns: Sums,
 }
 
-impl Grid {
-    /// `weight(column, row)` must not be negative.
-    pub(crate) fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f32) -> Self {
-        let mut columns = Sums::default();
-        let rows: Vec<f32> = (0..height)
-            .map(|row| columns.push_row((0..width).map(|column| weight(column, row))))
-            .collect();
-        Self { rows: Table::new(rows), columns }
+impl Grids {
+    /// None yet.
+    pub(crate) fn new(width: usize, height: usize) -> Self {
+        Self { width, height, rows: Sums::default(), columns: Sums::default() }
     }
 
-    /// The sum of all weights.
-    pub(crate) fn sum(&self) -> f32 {
-        self.rows.sum
+    /// Appends a grid, and returns the sum of its weights. `weight(column, row)` must not be negative.
+    pub(crate) fn push(&mut self, weight: impl Fn(usize, usize) -> f32) -> f32 {
+        let Self { width, height, rows, columns } = self;
+        let of_row = |row| columns.push_row((0..*width).map(|column| weight(column, row)));
+        rows.push_row((0..*height).map(of_row))
     }
 
-    /// The chance of a cell.
-    pub(crate) fn chance(&self, column: usize, row: usize) -> f32 {
-        self.rows.chance(row) * self.columns.chance(row, column)
+    /// How many.
+    pub(crate) fn len(&self) -> usize {
+        self.rows.cumulative.len() / (self.height + 1)
     }
 
-    /// Column, row, its chance, and a place in the cell, uniform in the unit square.
-    pub(crate) fn draw(&self, u: Vec2) -> Option<([usize; 2], f32, Vec2)> {
-        let row = self.rows.draw(u.y)?;
-        let column = self.columns.draw(row.cell, u.x)?;
+    /// The chance of a cell among those of its grid.
+    pub(crate) fn chance(&self, grid: usize, [column, row]: [usize; 2]) -> f32 {
+        self.rows.chance(grid, row) * self.columns.chance(grid * self.height + row, column)
+    }
+
+    /// Column, row, their chance, and a place in the cell, uniform in the unit square.
+    pub(crate) fn draw(&self, grid: usize, u: Vec2) -> Option<([usize; 2], f32, Vec2)> {
+        let row = self.rows.draw(grid, u.y)?;
+        let column = self.columns.draw(grid * self.height + row.cell, u.x)?;
         let chance = row.chance * column.chance;
         Some(([column.cell, row.cell], chance, Vec2::new(column.rest, row.rest)))
     }
@@ -110,7 +116,7 @@ impl Sums {
         let start = self.cumulative.len();
         self.cumulative.extend(sums.iter().map(|&s| (s * scale) as f32));
         self.entries = sums.len();
-        self.buckets = self.entries.div_ceil(SHARE);
+        self.buckets = (self.entries - 1).div_ceil(SHARE).max(1);
         let (row, mut after) = (&self.cumulative[start..], 0);
         self.guide.extend((0..self.buckets).map(|bucket| {
             let begin = bucket as f32 / self.buckets as f32;
@@ -131,8 +137,14 @@ impl Sums {
         }
         let cumulative = &self.cumulative[row * self.entries..][..self.entries];
         // The first entry is 0; the last is 1 or, if nothing can be drawn, 0.
-        let bucket = ((u * self.buckets as f32) as usize).min(self.buckets - 1);
-        let mut after = self.guide[row * self.buckets + bucket] as usize;
+        let mut after = match self.buckets {
+            // A short row is not worth the way to the guide.
+            1 => 1,
+            buckets => {
+                let bucket = ((u * buckets as f32) as usize).min(buckets - 1);
+                self.guide[row * buckets + bucket] as usize
+            }
+        };
         // The product may have been rounded up to the next part.
         while cumulative[after - 1] > u {
             after -= 1;
@@ -169,7 +181,9 @@ mod tests {
         assert_eq!(Table::new([]).draw(0.5), None);
         assert_eq!(Table::new([0.0, 0.0]).draw(0.0), None);
         assert_eq!(Table::default().draw(0.5), None);
-        assert_eq!(Grid::new(2, 2, |_, _| 0.0).draw(Vec2::splat(0.5)), None);
+        let mut dark = Grids::new(2, 2);
+        assert_eq!(dark.push(|_, _| 0.0), 0.0);
+        assert_eq!(dark.draw(0, Vec2::splat(0.5)), None);
     }
 
     #[test]
@@ -196,21 +210,28 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_draws_places_in_proportion_to_their_weights() {
-        let grid = Grid::new(3, 2, |column, row| (column + 3 * row) as f32);
-        let mut counts = [[0_u32; 3]; 2];
-        for i in 0..150 {
-            for j in 0..150 {
-                let u = (Vec2::new(i as f32, j as f32) + 0.5) / 150.0;
-                let ([column, row], chance, _) = grid.draw(u).expect("it has weights");
-                assert!((chance - grid.chance(column, row)).abs() < 1e-7);
-                counts[row][column] += 1;
-            }
+    fn grids_draw_places_in_proportion_to_their_weights() {
+        let mut grids = Grids::new(3, 2);
+        for shift in [0, 4] {
+            let sum = grids.push(|column, row| (shift + column + 3 * row) as f32);
+            assert_eq!(sum, (15 + 6 * shift) as f32);
         }
-        for (row, counts) in counts.iter().enumerate() {
-            for (column, &count) in counts.iter().enumerate() {
-                let expected = (column + 3 * row) as f32 / 15.0 * 22500.0;
-                assert!((count as f32 - expected).abs() <= 150.0, "{column} {row}: {count}");
+        for (grid, shift) in [0, 4].into_iter().enumerate() {
+            let mut counts = [[0_u32; 3]; 2];
+            for i in 0..150 {
+                for j in 0..150 {
+                    let u = (Vec2::new(i as f32, j as f32) + 0.5) / 150.0;
+                    let (cell, chance, _) = grids.draw(grid, u).expect("it has weights");
+                    assert!((chance - grids.chance(grid, cell)).abs() < 1e-7);
+                    counts[cell[1]][cell[0]] += 1;
+                }
+            }
+            let sum = (15 + 6 * shift) as f32;
+            for (row, counts) in counts.iter().enumerate() {
+                for (column, &count) in counts.iter().enumerate() {
+                    let expected = (shift + column + 3 * row) as f32 / sum * 22500.0;
+                    assert!((count as f32 - expected).abs() <= 150.0, "{column} {row}: {count}");
+                }
             }
         }
     }

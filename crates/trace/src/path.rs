@@ -218,11 +218,9 @@ impl Path<'_> {
             self.arrived.covered = true;
             return;
         }
-        let weight = self.origin.as_ref().map_or(1.0, |origin| {
-            let other = lights.environment_pdf(&origin.receiver, self.ray.direction);
-            power_heuristic(origin.pdf, other)
-        });
-        let radiance = scene.eval_environment(self.ray.direction);
+        let receiver = self.origin.as_ref().map(|origin| &origin.receiver);
+        let (radiance, other) = lights.environment(scene, receiver, self.ray.direction);
+        let weight = self.origin.as_ref().map_or(1.0, |origin| power_heuristic(origin.pdf, other));
         self.arrived.radiance += weight * self.throughput * radiance;
         self.arrived.covered |= !scene.environments.is_empty();
     }

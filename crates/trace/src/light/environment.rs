@@ -1,16 +1,15 @@
 //! Light from infinitely far away, drawn where an image is brighter than its mean.
 
-use crate::distribution::{Grid, Table};
+use super::{luminance, mosaic::Mosaic};
+use crate::distribution::Table;
 use glam::{Vec2, Vec3};
 use rotund_scene::{Environment, Scene, Texture};
 use std::f32::consts::{PI, TAU};
 
-use super::luminance;
-
 /// The environments of a scene that are worth drawing from.
 ///
 /// A cell of the density is what four pixels enclose, since between them the look-up is bilinear; it
-/// is constant per solid angle within a cell. From each cell's mean the mean over all directions is
+/// is constant per solid angle within a cell, or within a block of cells of a [`Mosaic`]. From each cell's mean the mean over all directions is
 /// taken away: that part has no bright spots, so the BSDF samples do it better, and multiple
 /// importance sampling lets each do its part. A constant environment is thus never drawn from.
 ///
@@ -18,9 +17,10 @@ use super::luminance;
 /// Sampling Techniques in Multiple Importance Sampling", SIGGRAPH Asia 2019.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnvironmentLights {
-    /// Which of `images`, by what they add to the light of a surface.
+    /// Of environments, by what their images add to the light of a surface.
     choice: Table,
-    images: Vec<EnvironmentImage>,
+    /// Of each environment, if it is worth drawing from.
+    images: Vec<Option<EnvironmentImage>>,
 }
 
 #[derive(Clone, Debug)]
@@ -28,22 +28,19 @@ struct EnvironmentImage {
     environment: Environment,
     width: usize,
     height: usize,
-    /// Cosines of the angle to the pole at the upper edge of each row, and at the lower of the last.
-    edges: Vec<f32>,
-    grid: Grid,
+    /// In columns, and by the cosine of the angle to the pole.
+    mosaic: Mosaic,
 }
 
 impl EnvironmentLights {
     pub(super) fn new(scene: &Scene) -> Self {
-        let images: Vec<EnvironmentImage> = scene
-            .environments
-            .iter()
-            .filter_map(|environment| {
-                let texture = &scene.textures[environment.emission_tex? as usize];
-                EnvironmentImage::new(environment, texture)
-            })
-            .collect();
-        Self { choice: Table::new(images.iter().map(|image| image.grid.sum())), images }
+        let of_environment = |environment: &Environment| {
+            let texture = &scene.textures[environment.emission_tex? as usize];
+            EnvironmentImage::new(environment, texture)
+        };
+        let images: Vec<Option<_>> = scene.environments.iter().map(of_environment).collect();
+        let power = |image: &Option<EnvironmentImage>| image.as_ref().map_or(0.0, |i| i.power());
+        Self { choice: Table::new(images.iter().map(power)), images }
     }
 
     /// The integral of the luminance above the mean over all directions.
@@ -55,20 +52,32 @@ impl EnvironmentLights {
     pub(super) fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         // The choice takes the vertical number and leaves it as even as it was.
         let drawn = self.choice.draw(u.y)?;
-        let (direction, pdf) = self.images[drawn.cell].sample(Vec2::new(u.x, drawn.rest))?;
-        let others: f32 = (0..self.images.len())
-            .filter(|&image| image != drawn.cell)
-            .map(|image| self.choice.chance(image) * self.images[image].pdf(direction))
-            .sum();
+        let image = self.images[drawn.cell].as_ref()?;
+        let (direction, pdf) = image.sample(Vec2::new(u.x, drawn.rest))?;
+        let of_other = |(index, other): (usize, &Option<EnvironmentImage>)| match other {
+            Some(other) if index != drawn.cell => {
+                self.choice.chance(index) * other.pdf(other.environment.uv(direction))
+            }
+            _ => 0.0,
+        };
+        let others: f32 = self.images.iter().enumerate().map(of_other).sum();
         Some((direction, drawn.chance * pdf + others))
     }
 
-    /// The density of [`Self::sample`].
-    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
-        let of_one = |(index, image): (usize, &EnvironmentImage)| {
-            self.choice.chance(index) * image.pdf(direction)
-        };
-        self.images.iter().enumerate().map(of_one).sum()
+    /// What comes from a direction, as [`Scene::eval_environment`] has it, and the density of [`Self::sample`].
+    /// The way to a place of an image is long enough to go it once.
+    pub(super) fn radiance_and_pdf(&self, scene: &Scene, direction: Vec3) -> (Vec3, f32) {
+        let (mut radiance, mut pdf) = (Vec3::ZERO, 0.0);
+        for (index, environment) in scene.environments.iter().enumerate() {
+            let Some(image) = &self.images[index] else {
+                radiance += environment.radiance(scene, direction);
+                continue;
+            };
+            let uv = environment.uv(direction);
+            radiance += environment.radiance_at(scene, uv);
+            pdf += self.choice.chance(index) * image.pdf(uv);
+        }
+        (radiance, pdf)
     }
 }
 
@@ -78,59 +87,62 @@ impl EnvironmentImage {
         if width == 0 || height == 0 {
             return None;
         }
-        let mut image = Self {
-            environment: environment.clone(),
-            width,
-            height,
-            edges: (0..=height).map(|edge| (edge as f32 / height as f32 * PI).cos()).collect(),
-            grid: Grid::new(0, 0, |_, _| 0.0),
-        };
-        let at = |column: usize, row: usize| {
-            let color = texture.color_at((column % width) as u32, (row % height) as u32);
-            let bright = luminance(environment.emission * color.truncate());
-            // A pixel that is not a number is not worth drawing.
-            if bright.is_finite() { bright.max(0.0) } else { 0.0 }
-        };
-        let mean_of_cell = |column: usize, row: usize| {
-            0.25 * (at(column, row)
-                + at(column + 1, row)
-                + at(column, row + 1)
-                + at(column + 1, row + 1))
-        };
-        let total: f64 = (0..height)
-            .map(|row| {
-                let sum: f64 = (0..width).map(|column| f64::from(mean_of_cell(column, row))).sum();
-                sum * f64::from(image.solid_angle(row))
+        let luminance_of_row = |y: u32| {
+            (0..texture.width).map(move |x| {
+                let bright = luminance(environment.emission * texture.color_at(x, y).truncate());
+                // A pixel that is not a number is not worth drawing.
+                if bright.is_finite() { bright.max(0.0) } else { 0.0 }
             })
-            .sum();
-        let mean = (total / f64::from(4.0 * PI)) as f32;
-        image.grid = Grid::new(width, height, |column, row| {
-            (mean_of_cell(column, row) - mean).max(0.0) * image.solid_angle(row)
-        });
-        (image.grid.sum() > 0.0).then_some(image)
+        };
+        let pixels: Vec<f32> = (0..texture.height).flat_map(luminance_of_row).collect();
+        let mean_of_cell = |(row, column): (usize, usize)| {
+            let (below, right) = ((row + 1) % height * width, (column + 1) % width);
+            let row = row * width;
+            0.25 * (pixels[row + column]
+                + pixels[row + right]
+                + pixels[below + column]
+                + pixels[below + right])
+        };
+        let cells = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+        let mut brightness: Vec<f32> = cells.map(mean_of_cell).collect();
+        let edges: Vec<f32> =
+            (0..=height).map(|edge| (edge as f32 / height as f32 * PI).cos()).collect();
+        let of_row = |(row, cells): (usize, &[f32])| {
+            let sum: f64 = cells.iter().map(|&cell| f64::from(cell)).sum();
+            sum * f64::from(edges[row] - edges[row + 1])
+        };
+        let total: f64 = brightness.chunks_exact(width).enumerate().map(of_row).sum();
+        let mean = (total / (2.0 * width as f64)) as f32;
+        for cell in &mut brightness {
+            *cell = (*cell - mean).max(0.0);
+        }
+        let mosaic = Mosaic::new(width, edges, &brightness);
+        let image = Self { environment: environment.clone(), width, height, mosaic };
+        (image.mosaic.sum > 0.0).then_some(image)
     }
 
-    /// Of one cell of a row.
-    fn solid_angle(&self, row: usize) -> f32 {
-        let (upper, lower) = (self.edges[row], self.edges[row + 1]);
-        TAU / self.width as f32 * (upper - lower)
+    fn power(&self) -> f32 {
+        self.mosaic.sum / self.columns_per_radian()
     }
 
     fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
-        let ([column, row], chance, place) = self.grid.draw(u)?;
-        let (upper, lower) = (self.edges[row], self.edges[row + 1]);
-        let cosine = upper + place.y * (lower - upper);
+        let (place, density) = self.mosaic.draw(u)?;
+        let cosine = place.y;
         let sine = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
-        let azimuth = TAU * (column as f32 + place.x) / self.width as f32;
-        let local = Vec3::new(sine * azimuth.cos(), cosine, sine * azimuth.sin());
+        let (sin, cos) = (TAU * place.x / self.width as f32).sin_cos();
+        let local = Vec3::new(sine * cos, cosine, sine * sin);
         let direction = self.environment.world_from_environment.transform_vector3(local);
-        Some((direction.normalize(), chance / self.solid_angle(row)))
+        Some((direction.normalize(), density * self.columns_per_radian()))
     }
 
-    fn pdf(&self, direction: Vec3) -> f32 {
-        let uv = self.environment.uv(direction);
+    /// At a place of the image.
+    fn pdf(&self, uv: Vec2) -> f32 {
         let cell = |x: f32, size: usize| ((x * size as f32) as usize).min(size - 1);
         let (column, row) = (cell(uv.x, self.width), cell(uv.y, self.height));
-        self.grid.chance(column, row) / self.solid_angle(row)
+        self.mosaic.density(column, row) * self.columns_per_radian()
+    }
+
+    fn columns_per_radian(&self) -> f32 {
+        self.width as f32 / TAU
     }
 }

@@ -3,6 +3,7 @@
 mod emitter;
 mod environment;
 mod flat;
+mod mosaic;
 mod rectangle;
 mod round;
 mod spherical_triangle;
@@ -136,10 +137,17 @@ impl Lights {
         }
     }
 
-    /// The density with which [`Self::sample`] would have found a direction that leads out of the
-    /// scene.
-    pub(crate) fn environment_pdf(&self, receiver: &Receiver, direction: Vec3) -> f32 {
-        self.environment_chance(receiver) * self.environments.pdf(direction)
+    /// What comes from a direction that leads out of the scene, and the density with which [`Self::sample`]
+    /// would have found it.
+    pub(crate) fn environment(
+        &self,
+        scene: &Scene,
+        receiver: Option<&Receiver>,
+        direction: Vec3,
+    ) -> (Vec3, f32) {
+        let (radiance, pdf) = self.environments.radiance_and_pdf(scene, direction);
+        let chance = receiver.map_or(0.0, |receiver| self.environment_chance(receiver));
+        (radiance, chance * pdf)
     }
 
     /// The density per solid angle with which [`Self::sample`] would have found this point; zero

@@ -249,8 +249,10 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
             let (sine, cosine) = theta.sin_cos();
             let d = DVec3::new(sine * azimuth.cos(), cosine, sine * azimuth.sin()).as_vec3();
             let weight = sine * (PI / STEPS as f64).powi(2);
-            truth += weight * f64::from(scene.eval_environment(d).x);
-            total += weight * f64::from(lights.environment_pdf(&receiver, d));
+            let (radiance, pdf) = lights.environment(&scene, Some(&receiver), d);
+            assert_eq!(radiance, scene.eval_environment(d));
+            truth += weight * f64::from(radiance.x);
+            total += weight * f64::from(pdf);
         }
     }
     assert!((total - 1.0).abs() < 2e-3, "the density sums to {total}");
@@ -260,7 +262,7 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
     for index in 0..SAMPLES {
         let [x, y, choice, _] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(0);
         let light = lights.sample(&receiver, choice, Vec2::new(x, y)).expect("it shines");
-        let again = lights.environment_pdf(&receiver, light.incoming);
+        let (_, again) = lights.environment(&scene, Some(&receiver), light.incoming);
         // Some directions are rounded over the edge of their cell.
         edges += u32::from((again - light.pdf).abs() > 1e-3 * light.pdf);
         sum += f64::from(
@@ -268,9 +270,8 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
         );
         let [x, y, ..] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(1);
         let d = warp::sphere(Vec2::new(x, y));
-        let other = lights.environment_pdf(&receiver, d);
-        let value = scene.eval_environment(d).x;
-        sum += f64::from(power_heuristic(uniform, other) * value / uniform);
+        let (value, other) = lights.environment(&scene, Some(&receiver), d);
+        sum += f64::from(power_heuristic(uniform, other) * value.x / uniform);
     }
     assert!(edges * 1000 < SAMPLES, "{edges} directions have another density when they are met");
     assert_near("the image", sum / f64::from(SAMPLES), truth);
