@@ -2,7 +2,7 @@
 
 use crate::scene_source::NamedScene;
 use anyhow::{Result, bail};
-use rotund_scene::{Elements, Pixels, Scene};
+use rotund_scene::{Elements, Scene};
 use rotund_trace::{Film, Options, Shard, output};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -178,12 +178,8 @@ impl Hash {
         }
         for texture in &scene.textures {
             self.debug(&(texture.width, texture.height));
-            match &texture.pixels {
-                Pixels::Bytes(bytes) | Pixels::SharedExponent(bytes) => {
-                    bytes.iter().for_each(|&pixel| self.word(u32::from_le_bytes(pixel)));
-                }
-                Pixels::Floats(floats) => self.floats(floats.iter().copied()),
-            }
+            let places = (0..texture.height).flat_map(|y| (0..texture.width).map(move |x| (x, y)));
+            self.floats(places.map(|(x, y)| texture.color_at(x, y).to_array()));
         }
         self.debug(&(&scene.cameras, &scene.materials, &scene.instances, &scene.environments));
     }

@@ -77,6 +77,7 @@ mod primitive;
 mod scene;
 mod shape;
 mod texture;
+mod tiles;
 
 pub use camera::Camera;
 pub use environment::Environment;
@@ -87,3 +88,4 @@ pub use rotund_geometry as geometry;
 pub use scene::{Instance, Scene};
 pub use shape::{ElementKind, Elements, Method, Shape};
 pub use texture::{Pixels, Texture};
+pub use tiles::Tiles;

@@ -1,5 +1,6 @@
 //! Images on surfaces.
 
+use crate::tiles::Tiles;
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::LazyLock;
 
@@ -12,31 +13,37 @@ pub struct Texture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Row by row.
+    /// Row by row, or in tiles.
     pub pixels: Pixels,
 }
 
-/// Pixels as they are stored in files of each kind.
+/// The kinds of pixels in files, as they come and as they are stored once they are loaded.
 #[derive(Clone, Debug)]
 pub enum Pixels {
     /// 8 bits a channel: sRGB where a colour is meant, else read as it is.
     Bytes(Vec<[u8; 4]>),
     /// Linear.
     Floats(Vec<[f32; 4]>),
+    /// As [`Self::Bytes`].
+    TiledBytes(Tiles),
     /// Linear and opaque, as Radiance HDR files hold them: the channels are `r g b` times `2^(e - 136)`. A
     /// quarter of the memory of floats, so that more of a sky stays near the processor.
-    SharedExponent(Vec<[u8; 4]>),
+    SharedExponent(Tiles),
 }
 
 impl Pixels {
-    /// The same numbers, to the bit, in the least memory.
-    pub(crate) fn packed(self) -> Self {
-        if let Self::Floats(floats) = &self
-            && let Some(packed) = floats.iter().map(|&pixel| shared_exponent(pixel)).collect()
-        {
-            return Self::SharedExponent(packed);
-        }
-        self
+    /// The same numbers, to the bit, in less memory or in the order in which they are read.
+    pub(crate) fn packed(self, width: u32) -> Self {
+        let width = width as usize;
+        let tiled = match &self {
+            Self::Bytes(bytes) => Tiles::new(width, bytes).map(Self::TiledBytes),
+            Self::Floats(floats) => {
+                let packed: Option<Vec<_>> = floats.iter().map(|&p| shared_exponent(p)).collect();
+                packed.and_then(|pixels| Tiles::new(width, &pixels)).map(Self::SharedExponent)
+            }
+            Self::TiledBytes(_) | Self::SharedExponent(_) => None,
+        };
+        tiled.unwrap_or(self)
     }
 }
 
@@ -76,8 +83,12 @@ impl Texture {
     pub fn color(&self, uv: Vec2) -> Vec4 {
         match &self.pixels {
             Pixels::Bytes(bytes) => {
+                let (linear, width) = (&*LINEAR_FROM_SRGB, self.width as usize);
+                self.filtered(uv, |x, y| linear_color(linear, bytes[y * width + x]))
+            }
+            Pixels::TiledBytes(tiles) => {
                 let linear = &*LINEAR_FROM_SRGB;
-                self.filtered(uv, |index| linear_color(linear, bytes[index]))
+                self.filtered(uv, |x, y| linear_color(linear, tiles.at(x, y)))
             }
             _ => self.data(uv),
         }
@@ -86,12 +97,14 @@ impl Texture {
     /// The numbers at `uv`: bytes are divided by 255 and nothing else. Filtered as [`Self::color`].
     #[must_use]
     pub fn data(&self, uv: Vec2) -> Vec4 {
+        let width = self.width as usize;
         match &self.pixels {
-            Pixels::Bytes(bytes) => self.filtered(uv, |index| {
-                Vec4::from_array(bytes[index].map(|byte| f32::from(byte) / 255.0))
-            }),
-            Pixels::Floats(floats) => self.filtered(uv, |index| Vec4::from_array(floats[index])),
-            Pixels::SharedExponent(packed) => self.filtered(uv, |index| unpacked(packed[index])),
+            Pixels::Bytes(bytes) => self.filtered(uv, |x, y| shares(bytes[y * width + x])),
+            Pixels::Floats(floats) => {
+                self.filtered(uv, |x, y| Vec4::from_array(floats[y * width + x]))
+            }
+            Pixels::TiledBytes(tiles) => self.filtered(uv, |x, y| shares(tiles.at(x, y))),
+            Pixels::SharedExponent(tiles) => self.filtered(uv, |x, y| unpacked(tiles.at(x, y))),
         }
     }
 
@@ -102,28 +115,47 @@ impl Texture {
     /// If there is no such pixel.
     #[must_use]
     pub fn color_at(&self, x: u32, y: u32) -> Vec4 {
-        let index = y as usize * self.width as usize + x as usize;
+        assert!(x < self.width && y < self.height, "no pixel at {x}, {y}");
+        let (x, y) = (x as usize, y as usize);
+        let index = y * self.width as usize + x;
         match &self.pixels {
             Pixels::Bytes(bytes) => linear_color(&LINEAR_FROM_SRGB, bytes[index]),
             Pixels::Floats(floats) => Vec4::from_array(floats[index]),
-            Pixels::SharedExponent(packed) => unpacked(packed[index]),
+            Pixels::TiledBytes(tiles) => linear_color(&LINEAR_FROM_SRGB, tiles.at(x, y)),
+            Pixels::SharedExponent(tiles) => unpacked(tiles.at(x, y)),
         }
     }
 
-    /// `at` gives the pixel of an index.
+    /// True if the alpha of every pixel is 1 or more.
+    #[must_use]
+    pub fn is_opaque(&self) -> bool {
+        match &self.pixels {
+            Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
+            Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
+            Pixels::TiledBytes(tiles) => tiles.pixels().all(|[.., alpha]| alpha == u8::MAX),
+            Pixels::SharedExponent(_) => true,
+        }
+    }
+
+    /// `at` gives the pixel of a column and a row.
     #[inline]
-    fn filtered(&self, uv: Vec2, at: impl Fn(usize) -> Vec4) -> Vec4 {
+    fn filtered(&self, uv: Vec2, at: impl Fn(usize, usize) -> Vec4) -> Vec4 {
         if self.width == 0 || self.height == 0 {
             return Vec4::ONE;
         }
         let (x0, x1, s) = neighbours(uv.x, self.width);
         let (y0, y1, t) = neighbours(uv.y, self.height);
-        let (row0, row1) = (y0 * self.width as usize, y1 * self.width as usize);
-        at(row0 + x0) * ((1.0 - s) * (1.0 - t))
-            + at(row1 + x0) * ((1.0 - s) * t)
-            + at(row0 + x1) * (s * (1.0 - t))
-            + at(row1 + x1) * (s * t)
+        at(x0, y0) * ((1.0 - s) * (1.0 - t))
+            + at(x0, y1) * ((1.0 - s) * t)
+            + at(x1, y0) * (s * (1.0 - t))
+            + at(x1, y1) * (s * t)
     }
+}
+
+/// A pixel of bytes as numbers.
+#[inline]
+fn shares(pixel: [u8; 4]) -> Vec4 {
+    Vec4::from_array(pixel.map(|byte| f32::from(byte) / 255.0))
 }
 
 /// A pixel of bytes as a colour.
@@ -205,9 +237,36 @@ mod tests {
 
     #[test]
     fn one_pixel_that_does_not_fit_keeps_all_as_floats() {
-        let fits = [0.5, 0.25, 2.0, 1.0];
-        assert!(matches!(Pixels::Floats(vec![fits; 3]).packed(), Pixels::SharedExponent(_)));
-        let mixed = Pixels::Floats(vec![fits, [0.1, 0.2, 0.3, 1.0]]).packed();
-        assert!(matches!(mixed, Pixels::Floats(floats) if floats[0] == fits));
+        let mut pixels = vec![[0.5, 0.25, 2.0, 1.0]; 64];
+        let packed = Pixels::Floats(pixels.clone()).packed(8);
+        assert!(matches!(packed, Pixels::SharedExponent(_)));
+        pixels[63] = [0.1, 0.2, 0.3, 1.0];
+        let mixed = Pixels::Floats(pixels.clone()).packed(8);
+        assert!(matches!(mixed, Pixels::Floats(floats) if floats == pixels));
+    }
+
+    #[test]
+    fn packed_images_look_as_they_did() {
+        let (width, height) = (21, 10);
+        let byte = |i: u32| [i as u8, (3 * i) as u8, (i / 7) as u8, (255 - i) as u8];
+        let float =
+            |i: u32| unpacked([128 + (i % 128) as u8, i as u8 / 2, 9, 120 + (i % 20) as u8]);
+        let bytes = (0..width * height).map(byte).collect();
+        let floats = (0..width * height).map(|i| float(i).to_array()).collect();
+        for pixels in [Pixels::Bytes(bytes), Pixels::Floats(floats)] {
+            let plain = Texture { name: String::new(), width, height, pixels };
+            let packed = Texture { pixels: plain.pixels.clone().packed(width), ..plain.clone() };
+            let tiled = matches!(packed.pixels, Pixels::TiledBytes(_) | Pixels::SharedExponent(_));
+            assert!(tiled, "{:?}", packed.pixels);
+            assert_eq!(plain.is_opaque(), packed.is_opaque());
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                assert_eq!(plain.color_at(x, y), packed.color_at(x, y));
+            }
+            for i in 0..1000 {
+                let uv = Vec2::new(i as f32 * 0.618_034, i as f32 * 0.137 - 3.0);
+                assert_eq!(plain.color(uv), packed.color(uv), "{uv}");
+                assert_eq!(plain.data(uv), packed.data(uv), "{uv}");
+            }
+        }
     }
 }

@@ -12,9 +12,7 @@ use crate::shadow::{Departure, Target};
 use crate::{Bsdf, Lights, Options, Sampler, View, phase, power_heuristic, view};
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Aabb, Ray, leave_surface};
-use rotund_scene::{
-    Instance, Material, MaterialKind, MaterialPoint, Pixels, Scene, SceneHit, Trees,
-};
+use rotund_scene::{Instance, Material, MaterialKind, MaterialPoint, Scene, SceneHit, Trees};
 
 /// What all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -365,11 +363,7 @@ fn sides_agree(hit: &SceneHit, normal: Vec3, outgoing: Vec3, incoming: Vec3) -> 
 /// True if no surface of the scene lets rays go straight through.
 fn is_opaque(scene: &Scene) -> bool {
     let image_is_opaque = |texture: &Option<u32>| {
-        texture.is_none_or(|texture| match &scene.textures[texture as usize].pixels {
-            Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
-            Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
-            Pixels::SharedExponent(_) => true,
-        })
+        texture.is_none_or(|texture| scene.textures[texture as usize].is_opaque())
     };
     let is_opaque = |material: &Material| {
         material.opacity >= 1.0

@@ -77,7 +77,7 @@ pub(super) fn textures(
         let mut loaded = source.get(image::load, |generator| generator.build())?;
         loaded.name = key.clone().unwrap_or_else(|| texture.name.clone());
         let mended = image::mend(&mut loaded);
-        loaded.pixels = loaded.pixels.packed();
+        loaded.pixels = loaded.pixels.packed(loaded.width);
         let warning = (mended > 0).then(|| {
             let scene = scene.display();
             format!(

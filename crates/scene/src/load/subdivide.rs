@@ -3,7 +3,7 @@
 //! Source: E. Catmull, J. Clark, "Recursively generated B-spline surfaces on arbitrary topological
 //! meshes", Computer-Aided Design 10(6), 1978; borders are B-spline curves.
 
-use crate::{Elements, Shape, Texture};
+use crate::{Elements, Pixels, Shape, Texture};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -272,7 +272,10 @@ impl Net {
 
 impl Surface {
     fn displace(&mut self, height: f32, texture: &Texture) {
-        let zero = if matches!(texture.pixels, crate::Pixels::Bytes(_)) { 0.5 } else { 0.0 };
+        let zero = match texture.pixels {
+            Pixels::Bytes(_) | Pixels::TiledBytes(_) => 0.5,
+            Pixels::Floats(_) | Pixels::SharedExponent(_) => 0.0,
+        };
         let mut heights = vec![Mean::default(); self.positions.points.len()];
         for (face, of_texture) in self.positions.faces.iter().zip(&self.texcoords.faces) {
             for (&vertex, &uv) in face.points.iter().zip(&of_texture.points) {
