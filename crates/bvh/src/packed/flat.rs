@@ -16,6 +16,10 @@
 //! shares of the corners, all of the sign of their sum, so the crossing is before or behind the origin by the
 //! sign of the volume `a_12 z_0 + a_20 z_1 + a_01 z_2`. With `E` the error of an area this is wrong by less than
 //! `3 E Z`, and `96 u S² Z` from rounding: `4 E (|z_0| + S)` is enough.
+//!
+//! Divided by the sum of the areas, which is wrong by less than `4 E`, that volume is the `z` of the crossing. The
+//! crossing is at `Z` at most, so the quotient is wrong by less than both errors together, `8 E (|z_0| + S)`, over
+//! the computed sum. For a triangle that is large as seen from the ray this says much more than the `z` of its corners.
 
 use super::kernel::{Candidates, dot, load3, splat, sub};
 use crate::node::WIDTH;
@@ -115,17 +119,12 @@ impl<S: Simd> FlatLanes<S> {
     pub(crate) fn ahead(
         &self,
         simd: S,
-        corners: [&Corner<S>; 3],
         areas: [S::Lanes; 3],
-        size: S::Lanes,
         error: S::Lanes,
+        [volume, slack]: [S::Lanes; 2],
     ) -> u32 {
+        let volume = simd.mul(volume, self.sense);
         let zero = simd.splat(0.0);
-        let depth = simd.add(simd.abs(corners[0].z), size);
-        let slack = simd.mul(simd.mul(error, simd.splat(4.0)), depth);
-        let slack = simd.add(slack, simd.splat(f32::MIN_POSITIVE));
-        let volume =
-            simd.mul(dot(simd, areas, [corners[0].z, corners[1].z, corners[2].z]), self.sense);
         let positive = simd.mask_not_gt(simd.sub(zero, error), least(simd, areas));
         let negative = simd.mask_not_gt(most(simd, areas), error);
         positive & (self.backwards | simd.mask_not_gt(simd.sub(zero, slack), volume))
@@ -133,20 +132,16 @@ impl<S: Simd> FlatLanes<S> {
     }
 
     /// Of the lanes that the line may cross, and of those that it surely does, those where it does so
-    /// in the interval of the ray up to `limit`.
+    /// in the interval of the ray up to `limit`. If it does, it is at a `z` between the two.
     #[inline(always)]
     pub(crate) fn candidates(
         &self,
         simd: S,
-        corners: &[Corner<S>],
+        [least, most]: [S::Lanes; 2],
         limit: f32,
         maybe: u32,
         surely: u32,
     ) -> Candidates<S> {
-        let (mut least, mut most) = (corners[0].z, corners[0].z);
-        for corner in &corners[1..] {
-            (least, most) = (simd.min(corner.z, least), simd.max(corner.z, most));
-        }
         let (a, b) = (simd.mul(least, self.inverse), simd.mul(most, self.inverse));
         let slack = simd.splat(2f32.powi(-20));
         let (near, far) = (simd.min(a, b), simd.max(a, b));
@@ -157,6 +152,49 @@ impl<S: Simd> FlatLanes<S> {
         let maybe = maybe & within;
         Candidates { maybe, surely: surely & inside & maybe, near: simd.max(near, self.start), far }
     }
+}
+
+/// The volume that the ray spans with a triangle, and a bound on its error.
+#[inline(always)]
+pub(crate) fn volume<S: Simd>(
+    simd: S,
+    corners: [&Corner<S>; 3],
+    areas: [S::Lanes; 3],
+    size: S::Lanes,
+    error: S::Lanes,
+) -> [S::Lanes; 2] {
+    let depth = simd.add(simd.abs(corners[0].z), size);
+    let slack = simd.mul(simd.mul(error, simd.splat(4.0)), depth);
+    let slack = simd.add(slack, simd.splat(f32::MIN_POSITIVE));
+    [dot(simd, areas, [corners[0].z, corners[1].z, corners[2].z]), slack]
+}
+
+/// The least and the largest `z` of some corners.
+#[inline(always)]
+pub(crate) fn range<S: Simd>(simd: S, corners: &[Corner<S>]) -> [S::Lanes; 2] {
+    let (mut least, mut most) = (corners[0].z, corners[0].z);
+    for corner in &corners[1..] {
+        (least, most) = (simd.min(corner.z, least), simd.max(corner.z, most));
+    }
+    [least, most]
+}
+
+/// Of a range of `z` in which a line crosses a triangle the part that areas and volume leave, derived above.
+#[inline(always)]
+pub(crate) fn crossing<S: Simd>(
+    simd: S,
+    [a, b, c]: [S::Lanes; 3],
+    [volume, slack]: [S::Lanes; 2],
+    [least, most]: [S::Lanes; 2],
+) -> [S::Lanes; 2] {
+    let inverse = simd.div(simd.splat(1.0), simd.add(simd.add(a, b), c));
+    let z = simd.mul(volume, inverse);
+    // Of the slack 2 are needed, one is for rounding; beside it that of the quotient, infinite if it overflows.
+    let slack = simd.mul(slack, simd.splat(3.0));
+    let slack = simd.mul_add(simd.abs(volume), simd.splat(2f32.powi(-20)), slack);
+    let error = simd.mul(slack, simd.abs(inverse));
+    // A NaN leaves the range as it was.
+    [simd.max(simd.sub(z, error), least), simd.min(simd.add(z, error), most)]
 }
 
 /// A corner in the sheared space.

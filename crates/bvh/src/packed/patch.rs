@@ -6,7 +6,7 @@
 //! them is not negative or the largest not positive. The vanilla form is two triangles. The patch lies in the
 //! tetrahedron of the corners, whose picture is the union of those of its four faces.
 
-use super::flat::{FlatLanes, area, largest_side, least, most};
+use super::flat::{FlatLanes, area, largest_side, least, most, range, volume};
 use super::kernel::{Aligned, Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -91,8 +91,10 @@ impl Kernel for BilinearPatch {
             return Candidates::none(simd);
         }
         if VANILLA {
-            kept = ray.ahead(simd, [&c0, &c1, &c3], first, size, error)
-                | ray.ahead(simd, [&c2, &c3, &c1], second, size, error);
+            let of_first = volume(simd, [&c0, &c1, &c3], first, size, error);
+            let of_second = volume(simd, [&c2, &c3, &c1], second, size, error);
+            kept =
+                ray.ahead(simd, first, error, of_first) | ray.ahead(simd, second, error, of_second);
         }
         // If the outline turns around the ray, the ray passes through, in both forms.
         let ends = [
@@ -100,7 +102,7 @@ impl Kernel for BilinearPatch {
             simd.max(most(simd, [a01, a12, a23]), a30),
         ];
         let surely = ray.surely(simd, &c0, size, error, ends);
-        ray.candidates(simd, &[c0, c1, c2, c3], limit, kept, surely)
+        ray.candidates(simd, range(simd, &[c0, c1, c2, c3]), limit, kept, surely)
     }
 
     #[inline(always)]

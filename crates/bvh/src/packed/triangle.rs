@@ -2,7 +2,7 @@
 //!
 //! The reject: the three signed areas, seen along the ray (`flat.rs`), do not have the same sign.
 
-use super::flat::{FlatLanes, area, largest_side, least, most};
+use super::flat::{FlatLanes, area, crossing, largest_side, least, most, range, volume};
 use super::kernel::{Block, Candidates, Kernel};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -65,9 +65,12 @@ impl Kernel for Triangle {
         if kept == 0 {
             return Candidates::none(simd);
         }
-        let kept = ray.ahead(simd, [&c0, &c1, &c2], [b, c, a], size, error);
+        let areas = [b, c, a];
+        let volume = volume(simd, [&c0, &c1, &c2], areas, size, error);
+        let kept = ray.ahead(simd, areas, error, volume);
         let surely = ray.surely(simd, &c0, size, error, [positive, negative]);
-        ray.candidates(simd, &[c0, c1, c2], limit, kept, surely)
+        let range = crossing(simd, areas, volume, range(simd, &[c0, c1, c2]));
+        ray.candidates(simd, range, limit, kept, surely)
     }
 
     #[inline(always)]
