@@ -45,7 +45,8 @@ impl RaySpace {
         // Not by a table: so the compiler sees that they are axes.
         let (x, y) = (if z == 2 { 0 } else { z + 1 }, if z == 0 { 2 } else { z - 1 });
         let (o, d): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
-        let [x_of, y_of, z_of] = [x, y, z].map(|i| Pair::widen(o[i], d[i]));
+        let (x_of, y_of) = (Pair::widen(o[x], d[x]), Pair::widen(o[y], d[y]));
+        let z_of = Pair::widen(o[z], d[z]);
         Self {
             axes: [x, y, z],
             ox: x_of.firsts(x_of),

@@ -63,7 +63,10 @@ impl Solve for Triangle {
     #[inline(always)]
     fn solve(&self, ray: &Ray) -> Common<Root> {
         let space = RaySpace::new(ray);
-        let [p0, p1, p2] = [&self.p0, &self.p1, &self.p2].map(|p| space.project(p, p));
+        // Not by a closure: it would be compiled without the instructions of the tree that calls this, and be called.
+        let p0 = space.project(&self.p0, &self.p0);
+        let p1 = space.project(&self.p1, &self.p1);
+        let p2 = space.project(&self.p2, &self.p2);
         let found = Crossings::of(&p0, &p1, &p2);
         if !found.exist.any() {
             return Common::Miss;

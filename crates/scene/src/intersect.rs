@@ -164,45 +164,53 @@ impl Trees {
     /// `scene` is the one the trees were built of.
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
+        if let [placement] = self.placements.as_slice() {
+            let (element, hit) = self.closest_in(scene, placement, ray)?;
+            return Some(self.scene_hit(scene, placement, element, &hit));
+        }
         let test = |id: u32, ray: &Ray| {
-            let placement = &self.placements[id as usize];
-            let shape = &scene.shapes[placement.shape as usize];
-            let ray = placement.object_ray(shape, ray);
-            let tree = &self.trees[placement.tree as usize];
-            let (element, hit) = tree.closest(&ray, form(shape.method))?;
+            let (element, hit) = self.closest_in(scene, &self.placements[id as usize], ray)?;
             Some((hit.t, (element, hit)))
         };
-        let (placement, t, (element, hit)) = if self.placements.len() == 1 {
-            let (t, found) = test(0, ray)?;
-            (0, t, found)
-        } else {
-            self.upper.closest(ray, test)?
-        };
-        let placement = &self.placements[placement as usize];
+        let (id, _, (element, hit)) = self.upper.closest(ray, test)?;
+        Some(self.scene_hit(scene, &self.placements[id as usize], element, &hit))
+    }
+
+    /// What a ray meets of a placement.
+    #[inline(always)]
+    fn closest_in(&self, scene: &Scene, placement: &Placement, ray: &Ray) -> Option<(u32, Hit)> {
+        let shape = &scene.shapes[placement.shape as usize];
+        let tree = &self.trees[placement.tree as usize];
+        tree.closest(&placement.object_ray(shape, ray), form(shape.method))
+    }
+
+    /// The hit of an element of a placement, in world space.
+    #[inline(always)]
+    fn scene_hit(&self, scene: &Scene, placement: &Placement, element: u32, hit: &Hit) -> SceneHit {
         let (instance, element) = self.locate(placement, element);
         let shape = &scene.shapes[scene.instances[instance as usize].shape as usize];
-        let world = placement.frame.world_hit(&hit);
+        let world = placement.frame.world_hit(hit);
         let hit = SceneHit {
             instance,
             element,
-            uv: shape.uv(element, &hit),
-            t,
+            uv: shape.uv(element, hit),
+            t: hit.t,
             position: world.position,
             normal: world.normal,
             error: world.error,
         };
         if self.route == Route::Carried || shape.is_ribbons() {
-            return Some(hit);
+            return hit;
         }
         let bounds = placement.frame.world_bounds(shape.primitive(element).bounds());
         let scale = (bounds.max - bounds.min).length() + hit.position.length();
-        Some(SceneHit {
+        SceneHit {
             position: scene.eval_position(instance, element, hit.uv),
             normal: scene.eval_normal(instance, element, hit.uv),
             // Of the hit from the surface, and of the rebuilt point from the hit.
             error: 2.0 * hit.error + ROUND_TRIP * scale,
             ..hit
-        })
+        }
     }
 
     /// The size of the tree under each shape, in order.
