@@ -22,15 +22,15 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
     // In `f64`, where the products are exact: the sign of a grazing direction must not be an accident.
     let outwards = normal.as_dvec3().dot(direction.as_dvec3());
     let side = if outwards < 0.0 { -normal } else { normal };
+    // The next number outwards, by selections and no branches, for nobody could foretell them: the integers that
+    // the bits are, negative ones mirrored, are in the order of the numbers.
     let away = |p: f32, step: f32| {
         let moved = p + step;
-        if step > 0.0 {
-            moved.next_up()
-        } else if step < 0.0 {
-            moved.next_down()
-        } else {
-            moved
-        }
+        let mirrored = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
+        let place = mirrored(moved.to_bits() as i32);
+        let next = place + i32::from(step > 0.0) - i32::from(step < 0.0);
+        let next = f32::from_bits(mirrored(next) as u32);
+        if moved.is_finite() { next } else { moved }
     };
     let step = error * side;
     Vec3::new(away(position.x, step.x), away(position.y, step.y), away(position.z, step.z))

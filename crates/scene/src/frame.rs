@@ -91,6 +91,7 @@ impl Frame {
         }
     }
 
+    #[inline]
     pub(crate) fn world_hit(&self, hit: &Hit) -> WorldHit {
         if self.identity {
             return WorldHit { position: hit.position, normal: hit.normal, error: hit.error };

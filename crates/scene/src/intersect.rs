@@ -165,8 +165,11 @@ impl Trees {
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
         if let [placement] = self.placements.as_slice() {
-            let (element, hit) = self.closest_in(scene, placement, ray)?;
-            return Some(self.scene_hit(scene, placement, element, &hit));
+            // Not moved out of the option: a copy of what has just been written waits until it has left the processor.
+            let found = self.closest_in(scene, placement, ray);
+            return found
+                .as_ref()
+                .map(|(element, hit)| self.scene_hit(scene, placement, *element, hit));
         }
         let test = |id: u32, ray: &Ray| {
             let (element, hit) = self.closest_in(scene, &self.placements[id as usize], ray)?;

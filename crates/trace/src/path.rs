@@ -156,7 +156,9 @@ impl Path<'_> {
     fn step(&mut self) -> Next {
         let scene = self.world.scene;
         self.arrived.rays += 1;
-        let Some(hit) = self.world.trees.closest(scene, &self.ray) else {
+        // Not moved out of the option: a copy of what has just been written waits until it has left the processor.
+        let found = self.world.trees.closest(scene, &self.ray);
+        let Some(hit) = &found else {
             self.gather_environment();
             return Next::End;
         };
@@ -180,23 +182,23 @@ impl Path<'_> {
                 return Next::End;
             }
             if chance >= material.opacity {
-                self.pass(&hit);
+                self.pass(hit);
                 return Next::Segment;
             }
         }
         self.arrived.covered = true;
-        self.gather_emission(&hit, material.emission);
+        self.gather_emission(hit, material.emission);
         if self.segment == self.world.bounces {
             return Next::End;
         }
         if material.kind == MaterialKind::Volumetric {
             // The density of the last direction stays: the lights too see through such a border.
-            self.media.cross(&hit, self.ray.direction, Medium::new(&material));
-            self.pass(&hit);
+            self.media.cross(hit, self.ray.direction, Medium::new(&material));
+            self.pass(hit);
             self.segment += 1;
             return Next::Segment;
         }
-        self.scatter_at(&hit, &material)
+        self.scatter_at(hit, &material)
     }
 
     /// The `index`-th set of numbers of this segment.
@@ -252,7 +254,7 @@ impl Path<'_> {
         let weight = power_heuristic(light.pdf, pdf) / light.pdf;
         let target = Target {
             incoming: light.incoming,
-            source: light.source,
+            source: light.source.as_ref(),
             borders: bounces - self.segment - 1,
         };
         let (share, rays) = self.world.visibility(departure, &target, &self.media);
@@ -326,6 +328,7 @@ impl Path<'_> {
     }
 
     /// Takes the next segment, unless nothing would come of it or Russian roulette ends the path.
+    #[inline(always)]
     fn go_on(&mut self, ray: Ray, roulette: f32) -> Next {
         if self.segment >= ROULETTE_AFTER {
             let survival = (self.throughput.max_element() / ROULETTE_BELOW).min(0.99);

@@ -17,11 +17,11 @@ pub(crate) enum Departure<'a> {
 }
 
 /// Where a shadow ray goes.
-pub(crate) struct Target {
+pub(crate) struct Target<'a> {
     /// Of unit length.
     pub(crate) incoming: Vec3,
     /// None is infinitely far away.
-    pub(crate) source: Option<LightSource>,
+    pub(crate) source: Option<&'a LightSource>,
     /// How many borders of clouds it may pass: each is a segment of the path.
     pub(crate) borders: u32,
 }
@@ -33,7 +33,7 @@ impl World<'_> {
     pub(crate) fn visibility(
         &self,
         departure: &Departure<'_>,
-        target: &Target,
+        target: &Target<'_>,
         media: &Media,
     ) -> (Vec3, u64) {
         let incoming = target.incoming;

@@ -119,7 +119,8 @@ impl Lights {
         }
         let choice = (choice - environment_chance) / (1.0 - environment_chance);
         let (emitter, chance) = self.tree.choose(receiver, choice)?;
-        let point = self.emitters[emitter as usize].sample(receiver.position, u)?;
+        let point = self.emitters[emitter as usize].sample(receiver.position, u);
+        let point = point.as_ref()?;
         Some(LightSample {
             incoming: (point.source.position - receiver.position).try_normalize()?,
             pdf: (1.0 - environment_chance) * chance * point.pdf,
