@@ -43,10 +43,11 @@ fn marks_and_line_ends_of_any_editor_are_understood() {
 #[test]
 fn what_is_no_scene_is_told_in_plain_words() {
     let materials = |what: &str| format!("{{ \"materials\": {what} }}").into_bytes();
-    let table: [(&str, &str, Vec<u8>, &[&str]); 15] = [
+    let table: [(&str, &str, Vec<u8>, &[&str]); 16] = [
         ("UTF-16", "scene.json", utf16(SCENE), &["UTF-16", "UTF-8"]),
         ("an OBJ in UTF-16", "thing.obj", utf16(QUAD), &["UTF-16", "UTF-8"]),
         ("another format", "movie.gltf", b"{}".to_vec(), &["\"gltf\"", "json, ply and obj"]),
+        ("a PLY by another name", "mesh", b"ply\nformat".to_vec(), &["\"\"", "json, ply and obj"]),
         ("null", "scene.json", b"null".to_vec(), &["null", "expected an object"]),
         ("an array", "scene.json", b"[]".to_vec(), &["sequence", "expected an object"]),
         ("an item in brackets", "scene.json", materials("[[]]"), &["materials[0]", "an object"]),

@@ -65,16 +65,18 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
     // A folder is told as such, whatever its name ends in.
     drop(file::open(path, &nobody)?);
     let extension = file::extension(path);
+    let unsupported = |extension| {
+        let (path, named_by) = (path.to_owned(), NamedBy::default());
+        LoadError::Unsupported { path, named_by, extension, supported: "json, ply and obj" }
+    };
     if !matches!(extension.as_str(), "json" | "") {
-        let supported = "json, ply and obj";
-        return Err(LoadError::Unsupported {
-            path: path.to_owned(),
-            named_by: nobody,
-            extension,
-            supported,
-        });
+        return Err(unsupported(extension));
     }
     let bytes = file::read(path, &nobody)?;
+    // A pipe has no extension. A mesh without one is no JSON with a mistake in its first line.
+    if bytes.starts_with(b"ply") {
+        return Err(unsupported(extension));
+    }
     let mut warnings = Vec::new();
     if options.radius.is_some() {
         let path = path.display();
