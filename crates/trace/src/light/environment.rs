@@ -122,7 +122,7 @@ impl EnvironmentImage {
     }
 
     fn power(&self) -> f32 {
-        self.mosaic.sum / self.columns_per_radian()
+        (self.mosaic.sum / f64::from(self.columns_per_radian())) as f32
     }
 
     fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {

@@ -12,8 +12,8 @@ pub(super) struct Mosaic {
     width: usize,
     /// Where each row begins and the last ends, falling. Columns are one wide.
     edges: Vec<f32>,
-    /// The integral of what the density is in proportion to.
-    pub(super) sum: f32,
+    /// The integral of what the density is in proportion to. It may be more than an `f32` holds.
+    pub(super) sum: f64,
     /// Blocks in a row.
     across: usize,
     /// A single grid.
@@ -54,13 +54,15 @@ impl Mosaic {
         };
         let moments: Vec<Moments> =
             (0..across * down).map(|block| mosaic.moments(block, brightness)).collect();
-        mosaic.sum = mosaic.blocks.push(|x, y| moments[y * across + x].weight as f32);
+        mosaic.sum = moments.iter().map(|block| block.weight).sum();
+        let scale = mosaic.sum.max(f64::MIN_POSITIVE).recip();
+        mosaic.blocks.push(|x, y| (moments[y * across + x].weight * scale) as f32);
         let even = |(block, moments): (usize, &Moments)| {
             let chance = mosaic.blocks.chance(0, [block % across, block / across]);
             Kind::Even(chance / moments.area as f32)
         };
         mosaic.kinds = moments.iter().enumerate().map(even).collect();
-        for block in uneven(&moments) {
+        for block in uneven(&moments, VARIANCE * mosaic.sum) {
             mosaic.kinds[block] = Kind::Uneven(mosaic.cells.len() as u32);
             let [left, top] = mosaic.corner(block);
             let rows = mosaic.edges.len() - 1;
@@ -147,8 +149,8 @@ struct Moments {
     square: f64,
 }
 
-/// The blocks that need all their cells.
-fn uneven(moments: &[Moments]) -> Vec<usize> {
+/// The blocks that need all their cells, so that the others add no more than `most`.
+fn uneven(moments: &[Moments], most: f64) -> Vec<usize> {
     // What is drawn is brightness over density. With the density `weight / area / total` in place of
     // `brightness / total` its second moment becomes `square area / weight`, not `weight`, times the total.
     let excess = |block: &usize| {
@@ -157,7 +159,7 @@ fn uneven(moments: &[Moments]) -> Vec<usize> {
     };
     let mut blocks: Vec<usize> = (0..moments.len()).collect();
     blocks.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
-    let mut rest = VARIANCE * moments.iter().map(|block| block.weight).sum::<f64>();
+    let mut rest = most;
     while let Some(block) = blocks.last() {
         rest -= excess(block);
         if rest < 0.0 {
@@ -215,7 +217,7 @@ mod tests {
                     }
                 }
                 assert!((all - 1.0).abs() < 1e-5, "{size:?}: the density sums to {all}");
-                assert!((f64::from(mosaic.sum) / sum - 1.0).abs() < 1e-6, "{size:?}");
+                assert!((mosaic.sum / sum - 1.0).abs() < 1e-12, "{size:?}");
                 let variance = square / (sum * sum) - 1.0;
                 assert!(variance < VARIANCE + 1e-5, "{width} x {height}: {variance}");
             }
@@ -258,6 +260,20 @@ mod tests {
                     (count as f32 - expected).abs() < 16.0,
                     "{column} {row}: {count}, {expected}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn the_scale_of_the_brightness_does_not_matter() {
+        let (mosaic, brightness) = mosaic([64, 32], sun);
+        for scale in [1e-30, 1e35] {
+            let scaled: Vec<f32> = brightness.iter().map(|b| scale * b).collect();
+            let scaled = Mosaic::new(64, edges(32), &scaled);
+            assert!((scaled.sum / (f64::from(scale) * mosaic.sum) - 1.0).abs() < 1e-6, "{scale}");
+            for (column, row) in [(0, 0), (9, 5), (10, 5), (63, 31)] {
+                let (a, b) = (scaled.density(column, row), mosaic.density(column, row));
+                assert!((a - b).abs() <= 1e-4 * b, "{scale}, {column} {row}: {a}, {b}");
             }
         }
     }
