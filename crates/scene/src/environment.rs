@@ -103,14 +103,18 @@ mod tests {
     use glam::DVec3;
     use std::f64::consts;
 
-    #[test]
-    fn places_are_those_of_the_exact_angles() {
-        let sky = Environment {
+    fn sky() -> Environment {
+        Environment {
             name: String::new(),
             world_from_environment: Affine3A::IDENTITY,
             emission: Vec3::ONE,
             emission_tex: None,
-        };
+        }
+    }
+
+    #[test]
+    fn places_are_those_of_the_exact_angles() {
+        let sky = sky();
         let spiral = (0..200_000).map(|i| {
             let azimuth = f64::from(i) * 2.399_963;
             let height = (f64::from(i) + 0.5) / 100_000.0 - 1.0;
@@ -138,12 +142,7 @@ mod tests {
 
     #[test]
     fn axes_are_where_they_should_be() {
-        let sky = Environment {
-            name: String::new(),
-            world_from_environment: Affine3A::IDENTITY,
-            emission: Vec3::ONE,
-            emission_tex: None,
-        };
+        let sky = sky();
         let table = [
             (Vec3::X, [0.0, 0.5]),
             (Vec3::Z, [0.25, 0.5]),
