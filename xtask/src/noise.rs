@@ -114,14 +114,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
     let title = format!("{}: noise against time", scene.name);
     let labels = Labels { title: &title, x: "seconds", y: "relative squared error" };
-    let least = curves.iter().flat_map(|c| &c.points).map(|p| p.1).fold(f64::INFINITY, f64::min);
     let style = include_str!("accuracy/report/style.css");
     let page = format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{0}</title>\
          <style>{style}</style><body><h1>{0}</h1>{1}{2}<pre>{table}</pre></body></html>\n",
         chart::escape(&title),
         chart::legend(&curves),
-        chart::curves(&labels, &curves, 0.5 * least.max(1e-12)),
+        chart::curves(&labels, &curves, None),
     );
     write_text(&args.out, &page)?;
     say(table.to_string())?;

@@ -38,7 +38,7 @@ struct Frame {
     y: (f64, f64),
 }
 
-/// The ordinates of a chart: values at or below the first are drawn on the floor, which says 0.
+/// The ordinates of a chart: with a floor, values at or below the first are drawn on it, which says 0.
 const FLOOR_ROOM: f64 = 0.9;
 
 impl Frame {
@@ -54,8 +54,8 @@ impl Frame {
     }
 }
 
-/// A log-log chart with one line for each series.
-pub(crate) fn curves(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
+/// A log-log chart with one line for each series. A floor stands for zero.
+pub(crate) fn curves(labels: &Labels<'_>, series: &[Series], floor: Option<f64>) -> String {
     let (width, height) = (325.0, 250.0);
     let frame = Frame {
         left: 54.0,
@@ -63,10 +63,10 @@ pub(crate) fn curves(labels: &Labels<'_>, series: &[Series], floor: f64) -> Stri
         right: width - 12.0,
         bottom: height - 40.0,
         x: range(series.iter().flat_map(|s| &s.points).map(|p| p.0), None),
-        y: range(series.iter().flat_map(|s| &s.points).map(|p| p.1), Some(floor)),
+        y: range(series.iter().flat_map(|s| &s.points).map(|p| p.1), floor),
     };
     let mut svg = open(labels, width, height);
-    axes(&mut svg, &frame, labels);
+    axes(&mut svg, &frame, labels, floor.is_some());
     for s in series.iter().rev() {
         let path: Vec<String> = s
             .points
@@ -99,7 +99,7 @@ pub(super) fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> Str
         y: range(points.iter().map(|p| p.1), Some(floor)),
     };
     let mut svg = open(labels, width, height);
-    axes(&mut svg, &frame, labels);
+    axes(&mut svg, &frame, labels, true);
     let front: String = front(&points)
         .iter()
         .scan(None::<f64>, |above, &(x, y)| {
@@ -217,7 +217,7 @@ fn range(values: impl Iterator<Item = f64>, floor: Option<f64>) -> (f64, f64) {
     (low, high.max(low * 10.0))
 }
 
-fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>) {
+fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>, from_zero: bool) {
     let Frame { left, top, right, bottom, .. } = *frame;
     let decades = |from: f64, to: f64| {
         let (from, to) = (from.log10().round() as i32, to.log10().round() as i32);
@@ -226,8 +226,8 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>) {
     };
     for power in decades(frame.y.0, frame.y.1) {
         let y = frame.py(10f64.powi(power));
-        let text =
-            if (y - bottom).abs() < FLOOR_ROOM { "0".to_owned() } else { power_of_ten(power) };
+        let zero = from_zero && (y - bottom).abs() < FLOOR_ROOM;
+        let text = if zero { "0".to_owned() } else { power_of_ten(power) };
         let _ = write!(
             svg,
             "<line x1=\"{left}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
@@ -309,8 +309,14 @@ mod tests {
             points: vec![(1.0, 0.0), (10.0, 1e3), (100.0, f64::INFINITY)],
         }];
         let labels = Labels { title: "t", x: "x", y: "y" };
-        for svg in [curves(&labels, &series, 0.1), scatter(&labels, &series, 0.1)] {
+        let charts = [
+            (curves(&labels, &series, Some(0.1)), true),
+            (curves(&labels, &series, None), false),
+            (scatter(&labels, &series, 0.1), true),
+        ];
+        for (svg, from_zero) in charts {
             assert!(svg.contains("&lt;a &amp; b&gt;") && !svg.contains("NaN"), "{svg}");
+            assert_eq!(svg.contains("text-anchor=\"end\">0</text>"), from_zero, "{svg}");
         }
     }
 }

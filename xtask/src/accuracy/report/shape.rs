@@ -192,7 +192,7 @@ fn curves(
         write!(body, "<h3>{title}</h3>{}<div class=\"charts\">", chart::legend(&lines(|_| None)));
     for quantity in &QUANTITIES {
         let labels = Labels { title: quantity.title, x: axis, y: quantity.axis };
-        body.push_str(&chart::curves(&labels, &lines(quantity.of), quantity.floor));
+        body.push_str(&chart::curves(&labels, &lines(quantity.of), Some(quantity.floor)));
     }
     body.push_str("</div>");
 }
