@@ -19,7 +19,8 @@ pub(crate) struct Subject {
 impl Subject {
     /// Builds what rays need, to be walked with these instructions.
     pub(crate) fn new(scene: Scene, isa: Isa) -> Self {
-        let (trees, lights) = (Trees::build(&scene).with_isa(isa), Lights::build(&scene));
+        let trees = Trees::build(&scene).expect("a scene that loads is valid").with_isa(isa);
+        let lights = Lights::build(&scene);
         Self { scene, trees, lights }
     }
 
