@@ -9,8 +9,8 @@ use super::shoot::{Primitive, Traced};
 use crate::console::say;
 use anyhow::{Result, bail};
 use rayon::prelude::*;
-use rotund_bvh::{Form, Isa};
-use rotund_geometry::{Aabb, Hit, Ray};
+use rotund_bvh::{Form, Isa, PrimitiveHit};
+use rotund_geometry::{Aabb, Ray};
 
 /// Rays that are held against a loop, from each scene.
 const LOOPED: usize = 40;
@@ -27,7 +27,7 @@ pub(super) fn verify<P: Primitive>(
     let plain = Plain::build(primitives);
     let closest = |ray: &Ray| plain.closest(primitives, ray, form);
     let mut rays = recipe::primary(target);
-    let (diffuse, shadow) = recipe::secondary(target, &rays, |ray| Some(closest(ray)?.1));
+    let (diffuse, shadow) = recipe::secondary(target, &rays, |ray| Some(closest(ray)?.hit));
     rays.extend(diffuse);
     rays.extend(shadow);
     let enough = rays.len().min(count);
@@ -36,7 +36,7 @@ pub(super) fn verify<P: Primitive>(
     let mut rays: Vec<Ray> = rays.into_iter().step_by(step.max(1)).take(enough).collect();
     rays.extend(recipe::random(target, count - enough));
 
-    let expected: Vec<Option<(u32, Hit)>> = rays.par_iter().map(closest).collect();
+    let expected: Vec<Option<PrimitiveHit>> = rays.par_iter().map(closest).collect();
     let step = (rays.len() / LOOPED).max(1);
     let looped = (0..rays.len()).into_par_iter().step_by(step).find_map_any(|index| {
         let found = over_all(primitives, &rays[index], form);
@@ -67,13 +67,13 @@ pub(super) fn verify<P: Primitive>(
 }
 
 /// The lowest id among the smallest `t`.
-fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, form: Form) -> Option<(u32, Hit)> {
-    let mut best: Option<(u32, Hit)> = None;
+fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, form: Form) -> Option<PrimitiveHit> {
+    let mut best: Option<PrimitiveHit> = None;
     for (id, primitive) in primitives.iter().enumerate() {
         if let Some(hit) = primitive.exact(ray, form)
-            && best.is_none_or(|(_, best)| hit.t < best.t)
+            && best.is_none_or(|best| hit.t < best.hit.t)
         {
-            best = Some((id as u32, hit));
+            best = Some(PrimitiveHit { id: id as u32, hit });
         }
     }
     best
@@ -98,11 +98,16 @@ impl Plain {
         Self { ids, boxes }
     }
 
-    fn closest<P: Primitive>(&self, primitives: &[P], ray: &Ray, form: Form) -> Option<(u32, Hit)> {
-        let mut best: Option<(u32, Hit)> = None;
+    fn closest<P: Primitive>(
+        &self,
+        primitives: &[P],
+        ray: &Ray,
+        form: Form,
+    ) -> Option<PrimitiveHit> {
+        let mut best: Option<PrimitiveHit> = None;
         let mut waiting = vec![(0, 0..self.ids.len())];
         while let Some((node, range)) = waiting.pop() {
-            let t_max = best.map_or(ray.t_max, |(_, hit)| hit.t);
+            let t_max = best.map_or(ray.t_max, |best| best.hit.t);
             if entry(&self.boxes[node], ray, t_max).is_none() {
                 continue;
             }
@@ -119,9 +124,9 @@ impl Plain {
             }
             for &id in &self.ids[range] {
                 if let Some(hit) = primitives[id as usize].exact(ray, form)
-                    && best.is_none_or(|(other, best)| (hit.t, id) < (best.t, other))
+                    && best.is_none_or(|best| (hit.t, id) < (best.hit.t, best.id))
                 {
-                    best = Some((id, hit));
+                    best = Some(PrimitiveHit { id, hit });
                 }
             }
         }

@@ -3,13 +3,15 @@
 use super::recipe::{self, Target};
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
-use rotund_bvh::{ConeTree, Form, Isa, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
+use rotund_bvh::{
+    ConeTree, Form, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree, Visits,
+};
 use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use std::time::Instant;
 
 /// A tree as it is measured.
 pub(super) trait Traced: Sync {
-    fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)>;
+    fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit>;
     fn any(&self, ray: &Ray, form: Form) -> bool;
     fn visits(&self, ray: &Ray, form: Form) -> Visits;
     fn statistics(&self) -> Statistics;
@@ -27,7 +29,7 @@ macro_rules! traced {
     ($($tree:ty, $primitive:ty, |$p:ident| $vanilla:expr;)*) => {$(
         impl Traced for $tree {
             #[inline]
-            fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)> {
+            fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit> {
                 self.closest(ray, form)
             }
 
@@ -87,7 +89,7 @@ pub(super) struct Volley {
 /// All rays for a tree.
 pub(super) fn volleys(tree: &impl Traced, target: &Target, form: Form) -> [Volley; 4] {
     let primary = recipe::primary(target);
-    let hit = |ray: &Ray| tree.closest(ray, form).map(|(_, hit)| hit);
+    let hit = |ray: &Ray| tree.closest(ray, form).map(|found| found.hit);
     let (diffuse, shadow) = recipe::secondary(target, &primary, hit);
     let random = recipe::random(target, 1_000_000);
     let [first, second, third, fourth] = KINDS;
@@ -133,9 +135,9 @@ fn shoot(tree: &impl Traced, rays: &[Ray], any: bool, form: Form) -> usize {
     }
     let (mut hits, mut sum) = (0, 0.0);
     for ray in rays {
-        if let Some((_, hit)) = tree.closest(ray, form) {
+        if let Some(found) = tree.closest(ray, form) {
             hits += 1;
-            sum += hit.t;
+            sum += found.hit.t;
         }
     }
     // Or the compiler could leave out the hits.
