@@ -2,17 +2,25 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
-use crate::queries::{Common, Solve, queries};
+use crate::filter::{Filtered, Solve, queries};
+use crate::float::{round, rounding_error};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// A point that a ray hits where it comes closest, if that is within `radius`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// The point.
     pub center: Vec3,
     /// How near a ray must pass; positive.
     pub radius: f32,
+}
+
+/// The origin with radius 1, as the default [`Sphere`](crate::Sphere).
+impl Default for Point {
+    fn default() -> Self {
+        Self { center: Vec3::ZERO, radius: 1.0 }
+    }
 }
 
 queries!(
@@ -26,7 +34,7 @@ impl Solve for Point {
     type Root = f32;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<f32> {
+    fn filter(&self, ray: &Ray) -> Filtered<f32> {
         let (c, r) = widen::ball(self.center, self.radius);
         let (o, d) = widen::ray(ray);
         let f = c - o;
@@ -34,15 +42,15 @@ impl Solve for Point {
         let w = f.cross(d);
         // Written so that a NaN fails.
         if !(w.dot(w) <= a * r * r && r > 0.0) {
-            return Common::Miss;
+            return Filtered::Miss;
         }
         // A ray that has just left the point comes closest where it starts: rounding decides on which
         // side. It must not hit the point again.
         let start = 4.0 * f64::from(rounding_error(self.center));
         if f.dot(f) <= start * start {
-            return Common::Miss;
+            return Filtered::Miss;
         }
-        accept(ray, f.dot(d) / a).into()
+        ray.accept(f.dot(d) / a).into()
     }
 
     #[inline(always)]

@@ -2,14 +2,15 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
-use crate::queries::{Common, Solve, queries};
+use crate::filter::{Filtered, Solve, queries};
+use crate::float::{round, rounding_error};
 use crate::ray_space::RaySpace;
 use crate::triangle::Crossings;
 use crate::{Aabb, Hit, Ray, Triangle};
 
 /// The triangles `p0 p1 p3` and `p2 p3 p1`, which share the diagonal `p1 p3`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quad {
     /// The corner `u = 0, v = 0`.
     pub p0: Vec3,
@@ -19,6 +20,13 @@ pub struct Quad {
     pub p2: Vec3,
     /// The corner `u = 0, v = 1`.
     pub p3: Vec3,
+}
+
+/// The unit square in the plane `z = 0`, as the default [`BilinearPatch`](crate::BilinearPatch).
+impl Default for Quad {
+    fn default() -> Self {
+        Self { p0: Vec3::ZERO, p1: Vec3::X, p2: Vec3::new(1.0, 1.0, 0.0), p3: Vec3::Y }
+    }
 }
 
 pub(crate) struct Root {
@@ -38,16 +46,16 @@ impl Solve for Quad {
     type Root = Root;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root> {
+    fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let space = RaySpace::new(ray);
         // Of the first triangle, and of the second.
         let (p0, p1) = (space.project(&self.p0, &self.p2), space.project(&self.p1, &self.p3));
         let Crossings { exist, depth, u, v } = Crossings::of(&p0, &p1, &p1.swapped());
         let exist = exist.bits();
         if exist == 0 || !self.is_finite() {
-            return Common::Miss;
+            return Filtered::Miss;
         }
-        let [first, second] = depth.to_array().map(|depth| accept(ray, space.t(depth)));
+        let [first, second] = depth.to_array().map(|depth| ray.accept(space.t(depth)));
         let (first, second) = (first.filter(|_| exist & 1 != 0), second.filter(|_| exist & 2 != 0));
         let (t, second) = match (first, second) {
             (Some(first), Some(second)) => (Some(first.min(second)), second < first),
