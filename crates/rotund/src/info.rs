@@ -53,7 +53,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         say(format!("\n{table}"))?;
     }
     let start = Instant::now();
-    let trees = Trees::build(scene);
+    let trees = Trees::build(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
     say(format!("\n{}", shapes(scene, &trees)))?;
     say(format!("\n{}", bounds(scene)))?;
@@ -139,8 +139,7 @@ fn cameras(scene: &Scene) -> Table {
 }
 
 fn materials(scene: &Scene) -> Table {
-    let mut table =
-        Table::new(&["material", "kind", "color", "emission", "roughness", "opacity"]);
+    let mut table = Table::new(&["material", "kind", "color", "emission", "roughness", "opacity"]);
     for material in &scene.materials {
         table.row([
             material.name.clone(),
@@ -311,7 +310,7 @@ mod tests {
         };
         let loaded = Loaded { scene, ..Loaded::default() };
         let scene = &loaded.scene;
-        let trees = Trees::build(scene);
+        let trees = Trees::build(scene).expect("a valid scene");
         let tables = [
             costs(&loaded, 12_345.678, Some(123_456_789_012)).expect("no file to read"),
             cameras(scene),

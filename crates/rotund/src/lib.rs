@@ -35,6 +35,7 @@ mod golden;
 mod info;
 mod kinds;
 mod merge;
+mod message;
 mod noise;
 mod output;
 mod progress;
@@ -160,7 +161,7 @@ pub fn report(result: anyhow::Result<()>) -> ExitCode {
     if is_broken_pipe(&error) {
         return ExitCode::SUCCESS;
     }
-    eprintln!("error: {error:#}");
+    eprintln!("error: {}", message::one_line(&error));
     let interrupted = error.is::<Cancelled>();
     if interrupted { ExitCode::from(cancel::EXIT_CODE) } else { ExitCode::FAILURE }
 }

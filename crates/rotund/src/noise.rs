@@ -21,14 +21,14 @@ use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask render shapes4 --samples 4096 --seed 1 --out reference.exr
-  cargo xtask noise shapes4 --reference reference.exr --samples 256
-  cargo xtask noise path/to/scene.json --reference other.exr --kinds '' --out noise.html";
+  rotund render shapes4 --samples 4096 --seed 1 --out reference.exr
+  rotund noise shapes4 --reference reference.exr --samples 256
+  rotund noise path/to/scene.json --reference other.exr --kinds '' --out noise.html";
 
 /// Options of `noise`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
+pub struct Args {
     /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
     scene: String,
     /// What the picture should be: exr or hdr, of the size that is rendered.

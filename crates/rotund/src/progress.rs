@@ -25,8 +25,7 @@ pub(crate) struct Meter {
 
 impl Meter {
     pub(crate) fn new(label: &str, samples: u32) -> Self {
-        let bar =
-            stderr().is_terminal().then(|| bar(label, samples, ProgressDrawTarget::stderr()));
+        let bar = stderr().is_terminal().then(|| bar(label, samples, ProgressDrawTarget::stderr()));
         Self { label: label.to_owned(), samples, bar, next_line: LINE_EVERY }
     }
 
@@ -55,7 +54,7 @@ fn bar(label: &str, samples: u32, target: ProgressDrawTarget) -> ProgressBar {
     let label: String = label.chars().take(LONGEST_LABEL).collect();
     let counts = 2 * samples.to_string().len() + "/".len();
     let text = label.chars().count() + " [] ".len() + counts + " samples, ".len() + LONGEST_STATE;
-    // The smallest room is 5 columns: for 16 letters and a sample count of 8 digits, "samples" goes.
+    // A long label and a count of many digits leave no room, so the unit gives way to the bar.
     let (unit, room) = match TERMINAL_COLUMNS.saturating_sub(text) {
         room @ ..8 => ("", room + " samples".len()),
         room => (" samples", room),
@@ -162,7 +161,12 @@ mod tests {
             ("vanilla", 64, 3, Duration::from_secs(10)),
             ("enhanced", 4096, 1, Duration::from_secs(86_399)),
             ("independent", 1 << 24, (1 << 24) - 1, long_time),
-            ("a-name-that-is-longer-than-any-label", 1 << 24, 8_388_608, Duration::from_secs(86_000)),
+            (
+                "a-name-that-is-longer-than-any-label",
+                1 << 24,
+                8_388_608,
+                Duration::from_secs(86_000),
+            ),
         ];
         for (label, samples, done, elapsed) in table {
             let terminal = Recorder::default();

@@ -15,13 +15,13 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask render shapes4 --out shapes4.png
-  cargo xtask render shapes4 --mode vanilla --out vanilla.exr --samples 256
-  cargo xtask render path/to/scene.json --kinds points,lines --camera front --out exact.hdr
-  cargo xtask render shapes4 --samples 4096 --checkpoint shapes4.film --resume --out shapes4.exr
-  cargo xtask render shapes4 --samples 4096 --checkpoint part-2.film --resume --shard 2/8
-  cargo xtask render shapes4 --view shading-normal --samples 4 --out normals.png
-  cargo xtask render shapes4 --layers --out shapes4.exr";
+  rotund render shapes4 --out shapes4.png
+  rotund render shapes4 --mode vanilla --out vanilla.exr --samples 256
+  rotund render path/to/scene.json --kinds points,lines --camera front --out exact.hdr
+  rotund render shapes4 --samples 4096 --checkpoint shapes4.film --resume --out shapes4.exr
+  rotund render shapes4 --samples 4096 --checkpoint part-2.film --resume --shard 2/8
+  rotund render shapes4 --view shading-normal --samples 4 --out normals.png
+  rotund render shapes4 --layers --out shapes4.exr";
 
 /// How all shapes of a scene are traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -86,7 +86,7 @@ impl ViewKind {
 /// Options of `render`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
+pub struct Args {
     /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
     scene: String,
     /// The image to write: png (sRGB), exr or hdr (linear).

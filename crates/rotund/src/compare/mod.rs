@@ -5,8 +5,8 @@
 //! `vanilla` and `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
 //! `report.html`. Several scenes get a page `index.html` above their folders.
 
+use crate::built_in;
 use crate::output::{prepare_folder, write_text};
-use crate::scene_source::bundled;
 use crate::shot::PictureArgs;
 use anyhow::{Result, bail};
 use comparison::Comparison;
@@ -19,15 +19,15 @@ mod comparison;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask compare shapes4
-  cargo xtask compare shapes4 --camera front --samples 256 --resolution 2160 --bounces 8
-  cargo xtask compare path/to/scene.json --kinds lines --out out/only-lines
-  cargo xtask compare --all --samples 16";
+  rotund compare shapes4
+  rotund compare shapes4 --camera front --samples 256 --resolution 2160 --bounces 8
+  rotund compare path/to/scene.json --kinds lines --out out/only-lines
+  rotund compare --all --samples 16";
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
+pub struct Args {
     /// Names of scenes in `scenes/`, or paths of JSON, PLY or OBJ files.
     #[arg(value_name = "SCENE", required_unless_present = "all")]
     scenes: Vec<String>,
@@ -49,7 +49,11 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let names = if args.all { bundled()? } else { args.scenes.clone() };
+    let names = if args.all {
+        built_in::names().map(ToOwned::to_owned).collect()
+    } else {
+        args.scenes.clone()
+    };
     if let [name] = &names[..] {
         let (metrics, page, _) = one(&args, name, args.out.clone())?;
         return if args.json {
