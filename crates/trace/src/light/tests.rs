@@ -58,7 +58,7 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
         let start = leave_surface(position, 0.0, normal, light.incoming);
         match trees.closest(scene, &Ray::new(start, light.incoming)) {
             Some(hit) if hit.position.distance(source.position) < 1e-3 => {
-                let pdf = lights.hit_pdf(&receiver, &hit);
+                let pdf = lights.pdf(&receiver, &hit);
                 let slant = hit.normal.dot(light.incoming).abs();
                 // A slanted surface makes the density per solid angle as steep.
                 assert!(
