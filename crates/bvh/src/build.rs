@@ -68,7 +68,13 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
         records.retain(|record| !record.is_empty());
     }
     if records.is_empty() {
-        let tree = Tree { nodes: Vec::new(), root: Child::NONE, bounds: Aabb::EMPTY };
+        let tree = Tree {
+            nodes: Vec::new(),
+            root: Child::NONE,
+            bounds: Aabb::EMPTY,
+            source_count: count,
+            kept_count: 0,
+        };
         return Built { tree, ids: Vec::new(), leaves: Vec::new() };
     }
 
@@ -101,7 +107,13 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
         joined.nodes.push(node);
         root = Child::node(0);
     }
-    let tree = Tree { nodes: joined.nodes, root, bounds: extent.bounds() };
+    let tree = Tree {
+        nodes: joined.nodes,
+        root,
+        bounds: extent.bounds(),
+        source_count: count,
+        kept_count: records.len(),
+    };
     // The boxes go, so that what comes next takes their memory and asks the system for less.
     let ids = if count <= TASK {
         records.iter().map(Record::id).collect()

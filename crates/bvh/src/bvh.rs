@@ -1,8 +1,11 @@
 //! The tree over plain boxes.
 
 use crate::build::build;
+use crate::found::Found;
 use crate::isa::Isa;
 use crate::node::{Child, Tree};
+use crate::record::finite_part;
+use crate::refit::RefitError;
 use crate::simd::{Simd, Task};
 use crate::slab::SlabRay;
 use crate::traverse;
@@ -52,11 +55,11 @@ use rotund_geometry::{Aabb, Ray};
 /// let bvh = Bvh::build(&boxes);
 ///
 /// let down_at_the_seventh = Ray::new(Vec3::new(22.0, 0.0, 5.0), Vec3::NEG_Z);
-/// let (id, t, ()) = bvh
+/// let found = bvh
 ///     .closest(&down_at_the_seventh, |id, ray| Some((tori[id as usize].intersect(ray)?, ())))
 ///     .expect("the ray was aimed at the ring");
-/// assert_eq!(id, 7);
-/// assert!((t - 4.75).abs() < 1e-4);
+/// assert_eq!(found.id, 7);
+/// assert!((found.t - 4.75).abs() < 1e-4);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Bvh {
@@ -96,6 +99,29 @@ impl Bvh {
         self.tree.bounds
     }
 
+    /// Moves the boxes of the tree to new places: `boxes[i]` is the new box of the primitive `i`. The bounds of
+    /// all nodes are recomputed bottom-up; the topology stays.
+    ///
+    /// Answers are those of a tree built anew. Their cost is not: neighbours in the tree that move apart make its
+    /// nodes overlap, and rays visit more of them. Refit while primitives move together or by less than the size
+    /// of a leaf; build a new tree once queries have become slower than a build is worth. A refit takes
+    /// a small part of the time of a build.
+    ///
+    /// # Errors
+    ///
+    /// If there are more or fewer boxes than the tree was built from, or if a box that was empty is not any more or the
+    /// reverse. The tree is then as it was. (A box with a NaN is empty.)
+    pub fn refit(&mut self, boxes: &[Aabb]) -> Result<(), RefitError> {
+        let leaves = self.tree.nodes.iter().flat_map(|node| &node.children);
+        let ids = leaves.filter(|child| child.is_leaf() && **child != Child::NONE);
+        let ids = ids.map(|child| child.index() as u32);
+        let is_empty = |id: u32| finite_part(boxes[id as usize]).is_none();
+        let any_empty = || ids.clone().any(is_empty);
+        self.tree.check_refit(boxes.len(), any_empty, ids.clone(), is_empty)?;
+        self.tree.refit(|id| finite_part(boxes[id]).unwrap_or(Aabb::EMPTY));
+        Ok(())
+    }
+
     /// Returns the hit with the smallest `t`, of those the one with the smallest id, and what `test`
     /// gave with it.
     ///
@@ -110,7 +136,7 @@ impl Bvh {
         &self,
         ray: &Ray,
         mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
-    ) -> Option<(u32, f32, T)> {
+    ) -> Option<Found<T>> {
         let slab_ray = SlabRay::new(ray)?;
         let mut visitor =
             FindClosest { slab_ray: &slab_ray, ray, shrinking: *ray, best: None, test: &mut test };
@@ -145,7 +171,7 @@ struct FindClosest<'a, T, F> {
     slab_ray: &'a SlabRay,
     ray: &'a Ray,
     shrinking: Ray,
-    best: Option<(u32, f32, T)>,
+    best: Option<Found<T>>,
     test: &'a mut F,
 }
 
@@ -163,14 +189,12 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest<S>
         let wins = match &self.best {
             None => t >= self.ray.t_min && t <= self.ray.t_max,
             // A tie goes to the lower id, so that the order of the walk does not show.
-            Some((best_id, best_t, _)) => {
-                t >= self.ray.t_min && (t < *best_t || (t == *best_t && id < *best_id))
-            }
+            Some(best) => t >= self.ray.t_min && (t < best.t || (t == best.t && id < best.id)),
         };
         if !wins {
             return limit;
         }
-        self.best = Some((id, t, value));
+        self.best = Some(Found { id, t, value });
         self.shrinking.t_max = t;
         self.slab_ray.limit(t)
     }

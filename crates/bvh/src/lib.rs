@@ -13,11 +13,13 @@
 mod build;
 mod bvh;
 mod fold;
+mod found;
 mod huge;
 mod isa;
 mod node;
 mod packed;
 mod record;
+mod refit;
 mod sah;
 mod simd;
 mod slab;
@@ -26,6 +28,8 @@ mod traverse;
 
 pub use build::MAX_PRIMITIVES;
 pub use bvh::Bvh;
+pub use found::{Found, PrimitiveHit};
 pub use isa::{Isa, UnknownIsa};
 pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
+pub use refit::RefitError;
 pub use rotund_geometry as geometry;

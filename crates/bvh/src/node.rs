@@ -84,4 +84,8 @@ pub(crate) struct Tree {
     pub(crate) root: Child,
     /// The union of all boxes; [`Aabb::EMPTY`] if there is none.
     pub(crate) bounds: Aabb,
+    /// Length of the slice that the tree was built from.
+    pub(crate) source_count: usize,
+    /// How many of its elements are in the tree; the others are empty.
+    pub(crate) kept_count: usize,
 }

@@ -2,7 +2,7 @@
 
 use crate::isa::Isa;
 use crate::simd::{Simd, Task};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use rotund_geometry::Aabb;
 
 /// Eight lanes: the lower corner of a box, and the upper one negated, so that a union is a minimum of all lanes.
@@ -70,13 +70,11 @@ impl Record {
 
     /// The record of a box that is empty or has a NaN is [`Self::is_empty`].
     ///
-    /// An infinite side is drawn in to the largest number: no hit lies beyond it, and sums and
-    /// differences of halves stay finite.
     pub(crate) fn new(id: u32, bounds: Aabb) -> Self {
-        let (lower, upper) = (bounds.min.max(glam::Vec3::MIN), (-bounds.max).max(glam::Vec3::MIN));
-        if bounds.is_empty() || !lower.cmple(-upper).all() {
+        let Some(Aabb { min: lower, max }) = finite_part(bounds) else {
             return Self(Corners::EMPTY);
-        }
+        };
+        let upper = -max;
         let low = f32::from_bits(Self::ONE | (id & ((1 << Self::FRACTION) - 1)));
         let high = f32::from_bits(Self::ONE | (id >> Self::FRACTION));
         Self(Corners([lower.x, lower.y, lower.z, low, upper.x, upper.y, upper.z, high]))
@@ -91,6 +89,15 @@ impl Record {
         let [low, high] = [3, 7].map(|lane: usize| self.0.0[lane].to_bits() & !Self::ONE);
         low | high << Self::FRACTION
     }
+}
+
+/// The box that a tree keeps in place of `bounds`, or `None` if it is empty or has a NaN.
+///
+/// An infinite side is clamped to the largest number: no hit lies beyond it, and sums and differences of
+/// halves stay finite.
+pub(crate) fn finite_part(bounds: Aabb) -> Option<Aabb> {
+    let (min, max) = (bounds.min.max(Vec3::MIN), bounds.max.min(Vec3::MAX));
+    (!bounds.is_empty() && min.cmple(max).all()).then_some(Aabb { min, max })
 }
 
 /// The boxes of a range of records: of the boxes themselves, and of their middles.
@@ -160,7 +167,6 @@ impl Task for ExtentOf<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn a_record_keeps_its_id_beside_numbers_that_are_normal() {

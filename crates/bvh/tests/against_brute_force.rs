@@ -3,7 +3,7 @@
 mod support;
 
 use glam::Vec3;
-use rotund_bvh::Bvh;
+use rotund_bvh::{Bvh, Found, RefitError};
 use rotund_geometry::{Aabb, Ray};
 use support::{Ball, Random, ask, ask_any, boxes, loop_over};
 
@@ -88,7 +88,7 @@ fn the_interval_shrinks_to_the_closest_hit_so_far() {
         bound = t;
         Some((t, id))
     });
-    assert_eq!(hit, Some((0, 0.75, 0)));
+    assert_eq!(hit, Some(Found { id: 0, t: 0.75, value: 0 }));
     assert!(asked <= 8, "asked {asked} balls of 100 behind the first");
 }
 
@@ -96,14 +96,11 @@ fn the_interval_shrinks_to_the_closest_hit_so_far() {
 fn an_answer_outside_the_interval_is_a_miss() {
     let bvh = Bvh::build(&[Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) }]);
     let ray = Ray { t_min: 1.0, t_max: 5.0, ..Ray::new(Vec3::X * -3.0, Vec3::X) };
-    for (answer, expected) in [
-        (1.0, Some((0, 1.0, ()))),
-        (5.0, Some((0, 5.0, ()))),
-        (0.999, None),
-        (5.001, None),
-        (f32::NAN, None),
-    ] {
-        assert_eq!(bvh.closest(&ray, |_, _| Some((answer, ()))), expected, "{answer}");
+    for (answer, expected) in
+        [(1.0, Some(1.0)), (5.0, Some(5.0)), (0.999, None), (5.001, None), (f32::NAN, None)]
+    {
+        let found = bvh.closest(&ray, |_, _| Some((answer, ())));
+        assert_eq!(found.map(|found| found.t), expected, "{answer}");
     }
 }
 
@@ -145,14 +142,85 @@ fn trees_nest() {
             Some((t, ball))
         });
         let expected =
-            moves.iter().enumerate().fold(None, |best: Option<(u32, f32, u32)>, (i, &by)| {
-                match loop_over(&balls, &moved(by, &ray)) {
-                    Some((ball, t)) if best.is_none_or(|(_, best, _)| t < best) => {
-                        Some((i as u32, t, ball))
+            moves.iter().enumerate().fold(
+                None,
+                |best: Option<Found<u32>>, (i, &by)| match loop_over(&balls, &moved(by, &ray)) {
+                    Some((ball, t)) if best.is_none_or(|best| t < best.t) => {
+                        Some(Found { id: i as u32, t, value: ball })
                     }
                     _ => best,
-                }
-            });
+                },
+            );
         assert_eq!(found, expected, "{ray:?}");
     }
+}
+
+#[test]
+fn a_refitted_tree_answers_as_one_that_is_built_anew() {
+    let mut random = Random(21);
+    let mut balls = cloud(&mut random, 3000, 0.05);
+    let mut bvh = Bvh::build(&boxes(&balls));
+    for step in 0..4 {
+        for ball in &mut balls {
+            ball.center += 0.3 * random.point();
+        }
+        bvh.refit(&boxes(&balls)).expect("as many balls as before");
+        let fresh = Bvh::build(&boxes(&balls));
+        assert_eq!(bvh.bounds(), fresh.bounds(), "step {step}");
+        for ray in rays(&mut random, 500) {
+            let expected = loop_over(&balls, &ray);
+            assert_eq!(ask(&fresh, &balls, &ray), expected, "fresh, step {step}, {ray:?}");
+            assert_eq!(ask(&bvh, &balls, &ray), expected, "step {step}, {ray:?}");
+            assert_eq!(ask_any(&bvh, &balls, &ray), expected.is_some(), "step {step}, {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn a_refit_that_fails_names_the_reason_and_leaves_the_tree_as_it_was() {
+    let mut random = Random(22);
+    let balls = cloud(&mut random, 100, 0.2);
+    let mut built = boxes(&balls);
+    built[40] = Aabb::EMPTY;
+    built[70].min.y = f32::NAN;
+    let mut bvh = Bvh::build(&built);
+    let before = format!("{bvh:?}");
+
+    let moved: Vec<Aabb> =
+        built.iter().map(|b| Aabb { min: b.min + 1.0, max: b.max + 1.0 }).collect();
+    let with = |index: usize, bounds: Aabb| {
+        let mut boxes = moved.clone();
+        boxes[index] = bounds;
+        boxes
+    };
+    let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+    let nan = Aabb { max: Vec3::NAN, ..unit };
+    for (boxes, error, text) in [
+        (vec![], RefitError::Count { built: 100, given: 0 }, "100 elements"),
+        (moved[1..].to_vec(), RefitError::Count { built: 100, given: 99 }, "refitted to 99"),
+        (with(7, nan), RefitError::BecameEmpty { index: 7 }, "element 7"),
+        (with(8, Aabb::EMPTY), RefitError::BecameEmpty { index: 8 }, "element 8"),
+        (with(40, unit), RefitError::NoLongerEmpty { index: 40 }, "element 40"),
+        (with(70, unit), RefitError::NoLongerEmpty { index: 70 }, "element 70"),
+    ] {
+        assert_eq!(bvh.refit(&boxes), Err(error));
+        assert!(error.to_string().contains(text), "{error}");
+        assert_eq!(format!("{bvh:?}"), before, "{error}");
+    }
+    assert_eq!(bvh.refit(&moved), Ok(()));
+    assert_ne!(format!("{bvh:?}"), before);
+    assert_eq!(bvh.bounds(), Bvh::build(&moved).bounds());
+}
+
+#[test]
+fn empty_and_small_trees_can_be_refitted() {
+    let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+    let everything = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+    let mut empty = Bvh::build(&[]);
+    assert_eq!(empty.refit(&[]), Ok(()));
+    assert_eq!(empty.refit(&[unit]), Err(RefitError::Count { built: 0, given: 1 }));
+    let mut single = Bvh::build(&[unit]);
+    assert_eq!(single.refit(&[everything]), Ok(()));
+    assert_eq!(single.bounds(), Bvh::build(&[everything]).bounds());
+    assert!(single.any(&Ray::new(Vec3::splat(9.0), Vec3::X), |id, _| id == 0));
 }

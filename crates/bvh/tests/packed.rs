@@ -3,17 +3,21 @@
 mod support;
 
 use glam::{Vec2, Vec3};
-use rotund_bvh::{Bvh, ConeTree, Form, Isa, PatchTree, SphereTree, TriangleTree};
+use rotund_bvh::{
+    Bvh, ConeTree, Form, Isa, PatchTree, PrimitiveHit, RefitError, SphereTree, TriangleTree,
+};
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use support::Random;
 
 /// What is asked of a tree, for all kinds alike.
-type Answer = (Option<(u32, Hit)>, bool);
+type Answer = (Option<PrimitiveHit>, bool);
 
 /// The loop: lowest id among the smallest `t`.
 fn loop_over(count: usize, closest: impl Fn(usize) -> Option<Hit>) -> Answer {
-    let best = (0..count).fold(None, |best: Option<(u32, Hit)>, id| match closest(id) {
-        Some(hit) if best.is_none_or(|(_, best)| hit.t < best.t) => Some((id as u32, hit)),
+    let best = (0..count).fold(None, |best: Option<PrimitiveHit>, id| match closest(id) {
+        Some(hit) if best.is_none_or(|best| hit.t < best.hit.t) => {
+            Some(PrimitiveHit { id: id as u32, hit })
+        }
         _ => best,
     });
     (best, best.is_some())
@@ -321,7 +325,7 @@ fn a_packed_tree_agrees_with_a_tree_of_boxes() {
         for ray in rays(&mut random, 5000) {
             let asked = plain
                 .closest(&ray, |id, ray| balls[id as usize].closest(ray).map(|hit| (hit.t, hit)))
-                .map(|(id, _, hit)| (id, hit));
+                .map(|found| PrimitiveHit { id: found.id, hit: found.value });
             assert_eq!(packed.closest(&ray, Form::Enhanced), asked, "{isa:?}, {ray:?}");
         }
     }
@@ -346,12 +350,70 @@ fn a_tree_that_is_refitted_agrees_with_a_loop() {
     for ball in &mut balls {
         ball.center = 0.5 * ball.center + 0.3 * random.point();
     }
-    tree.refit(&balls);
+    tree.refit(&balls).expect("as many balls as before, none without radius");
     assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());
     for ray in rays(&mut random, 200) {
         let expected = loop_over(balls.len(), |id| balls[id].closest(&ray));
         assert_eq!((tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced)), expected);
     }
+}
+
+/// Moves primitives of every kind, refits, and compares with the loop and with a tree built anew.
+#[test]
+fn refitted_trees_of_every_kind_agree_with_a_loop() {
+    let mut random = Random(15);
+    macro_rules! check_refit {
+        ($tree:ty, $make:ident, $size:expr) => {{
+            let mut tree = <$tree>::build(&$make(&mut random, 2000, $size));
+            let moved = $make(&mut random, 2000, $size);
+            assert_eq!(tree.refit(&moved), Ok(()));
+            assert_eq!(tree.bounds(), <$tree>::build(&moved).bounds());
+            let mut hits = 0;
+            for ray in rays(&mut random, 300) {
+                let expected = loop_over(moved.len(), |id| moved[id].closest(&ray));
+                let found = (tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced));
+                assert_eq!(found, expected, "{ray:?}");
+                hits += usize::from(expected.1);
+            }
+            assert!(hits > 30, "{hits} hits test little");
+        }};
+    }
+    check_refit!(SphereTree, spheres, 0.1);
+    check_refit!(ConeTree, cones, 0.2);
+    check_refit!(PatchTree, patches, 0.2);
+    check_refit!(TriangleTree, triangles, 0.2);
+}
+
+#[test]
+fn a_refit_that_fails_names_the_reason_and_leaves_the_tree_as_it_was() {
+    let mut random = Random(16);
+    let mut balls = spheres(&mut random, 100, 0.2);
+    balls[40].radius = 0.0;
+    balls[70].center.y = f32::NAN;
+    let mut tree = SphereTree::build(&balls);
+    let before = format!("{tree:?}");
+    for ball in &mut balls {
+        ball.center += 1.0;
+    }
+    let with = |index: usize, ball: Sphere| {
+        let mut balls = balls.clone();
+        balls[index] = ball;
+        balls
+    };
+    let unit = Sphere { center: Vec3::ZERO, radius: 1.0 };
+    for (balls, error) in [
+        (vec![], RefitError::Count { built: 100, given: 0 }),
+        (balls[1..].to_vec(), RefitError::Count { built: 100, given: 99 }),
+        (with(7, Sphere { radius: f32::NAN, ..unit }), RefitError::BecameEmpty { index: 7 }),
+        (with(8, Sphere { radius: 0.0, ..unit }), RefitError::BecameEmpty { index: 8 }),
+        (with(40, unit), RefitError::NoLongerEmpty { index: 40 }),
+        (with(70, unit), RefitError::NoLongerEmpty { index: 70 }),
+    ] {
+        assert_eq!(tree.refit(&balls), Err(error));
+        assert_eq!(format!("{tree:?}"), before, "{error}");
+    }
+    assert_eq!(tree.refit(&balls), Ok(()));
+    assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame};
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
-use rotund_bvh::{Bvh, ConeTree, Form, Isa, PatchTree, SphereTree, Statistics, TriangleTree};
+use rotund_bvh::{
+    Bvh, ConeTree, Form, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree,
+};
 use rotund_geometry::{Aabb, Hit, Ray};
 
 /// The trees of one scene.
@@ -169,19 +171,20 @@ impl Trees {
             let found = self.closest_in(scene, placement, ray);
             return found
                 .as_ref()
-                .map(|(element, hit)| self.scene_hit(scene, placement, *element, hit));
+                .map(|found| self.scene_hit(scene, placement, found.id, &found.hit));
         }
         let test = |id: u32, ray: &Ray| {
-            let (element, hit) = self.closest_in(scene, &self.placements[id as usize], ray)?;
-            Some((hit.t, (element, hit)))
+            let found = self.closest_in(scene, &self.placements[id as usize], ray)?;
+            Some((found.hit.t, found))
         };
-        let (id, _, (element, hit)) = self.upper.closest(ray, test)?;
-        Some(self.scene_hit(scene, &self.placements[id as usize], element, &hit))
+        let found = self.upper.closest(ray, test)?;
+        let (placement, primitive) = (&self.placements[found.id as usize], &found.value);
+        Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit))
     }
 
     /// What a ray meets of a placement.
     #[inline(always)]
-    fn closest_in(&self, scene: &Scene, placement: &Placement, ray: &Ray) -> Option<(u32, Hit)> {
+    fn closest_in(&self, scene: &Scene, placement: &Placement, ray: &Ray) -> Option<PrimitiveHit> {
         let shape = &scene.shapes[placement.shape as usize];
         let tree = &self.trees[placement.tree as usize];
         tree.closest(&placement.object_ray(shape, ray), form(shape.method))
@@ -308,7 +311,7 @@ impl ShapeTree {
         }
     }
 
-    fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)> {
+    fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit> {
         match self {
             Self::Points(tree) => tree.closest(ray, form),
             Self::Lines(tree) => tree.closest(ray, form),

@@ -15,6 +15,7 @@ mod sphere;
 mod triangle;
 
 use crate::build::{TASK, build};
+use crate::found::PrimitiveHit;
 use crate::huge;
 use crate::isa::Isa;
 use crate::node::{Tree, WIDTH};
@@ -25,7 +26,7 @@ pub use report::{Statistics, Visits};
 
 use kernel::{Candidates, HasIds, Kernel, NO_ID};
 use rayon::prelude::*;
-use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
+use rotund_geometry::{Aabb, BilinearPatch, Ray, RoundedCone, Sphere, Triangle};
 
 /// A tree over spheres.
 pub type SphereTree = Packed<Sphere>;
@@ -57,10 +58,10 @@ pub enum Form {
 /// let tree = SphereTree::build(&spheres);
 ///
 /// let ray = Ray::new(Vec3::new(7.0, 0.0, 5.0), Vec3::NEG_Z);
-/// let (id, hit) = tree.closest(&ray, Form::Enhanced).expect("the ray was aimed at a sphere");
-/// assert_eq!((id, hit.t), (7, 4.75));
+/// let found = tree.closest(&ray, Form::Enhanced).expect("the ray was aimed at a sphere");
+/// assert_eq!((found.id, found.hit.t), (7, 4.75));
 /// // The vanilla form of a sphere is a disc through its centre.
-/// assert_eq!(tree.closest(&ray, Form::Vanilla).map(|(id, hit)| (id, hit.t)), Some((7, 5.0)));
+/// assert_eq!(tree.closest(&ray, Form::Vanilla).map(|found| found.hit.t), Some(5.0));
 /// ```
 #[derive(Clone, Debug)]
 pub struct Packed<P: Kernel> {
@@ -122,7 +123,7 @@ impl<P: Kernel> Packed<P> {
     /// A ray whose origin or direction is not finite, or whose direction is zero, meets nothing.
     #[must_use]
     #[inline]
-    pub fn closest(&self, ray: &Ray, form: Form) -> Option<(u32, Hit)> {
+    pub fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit> {
         match form {
             Form::Enhanced => self.isa.run(ClosestTask::<P, false> { tree: self, ray }),
             Form::Vanilla => self.isa.run(ClosestTask::<P, true> { tree: self, ray }),
@@ -173,7 +174,7 @@ struct ClosestTask<'a, P: Kernel, const VANILLA: bool> {
 }
 
 impl<P: Kernel, const VANILLA: bool> Task for ClosestTask<'_, P, VANILLA> {
-    type Output = Option<(u32, Hit)>;
+    type Output = Option<PrimitiveHit>;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -187,7 +188,7 @@ impl<P: Kernel, const VANILLA: bool> Task for ClosestTask<'_, P, VANILLA> {
         }
         let hit = P::unpack(&self.tree.blocks[best.block], best.lane).closest::<VANILLA>(self.ray);
         debug_assert!(hit.is_some(), "what was sure to be hit is hit");
-        Some((best.id, hit?))
+        Some(PrimitiveHit { id: best.id, hit: hit? })
     }
 }
 

@@ -1,63 +1,46 @@
-//! Following primitives that move, without a new tree.
+//! Refitting packed trees: leaves take over the primitives that moved, and boxes follow them.
 
 use super::Packed;
 use super::kernel::{HasIds, Kernel, NO_ID};
-use crate::node::{Child, WIDTH};
+use crate::record::finite_part;
+use crate::refit::RefitError;
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
 
 impl<P: Kernel> Packed<P> {
-    /// Takes over the new places of the primitives the tree was built from, and fits its boxes to them.
+    /// Moves the primitives of the tree to new places: `primitives[i]` takes the place of the `i`-th primitive that
+    /// the tree was built from. The bounds of all nodes are recomputed bottom-up; the topology stays.
     ///
-    /// The tree keeps its shape: answers stay exact, but rays grow slower as neighbours move apart, and
-    /// then a new tree pays. A primitive that was left out when the tree was built stays out.
+    /// Answers are those of a tree built anew. Their cost is not: neighbours in the tree that move apart make its
+    /// nodes overlap, and rays visit more of them. Refit while primitives move together or by less than the size
+    /// of a leaf; build a new tree once queries have become slower than a build is worth.
+    /// [`Statistics::sah`](crate::Statistics::sah) tells the expected cost of a ray.
     ///
-    /// # Panics
+    /// # Errors
     ///
-    /// If a primitive in the tree is not in the slice any more, or cannot be hit by any ray now (a
-    /// number that is not finite, a sphere without radius): such a change asks for a new tree.
-    pub fn refit(&mut self, primitives: &[P]) {
+    /// If there are more or fewer primitives than the tree was built from, or if one that no ray could hit (a
+    /// number that is not finite, a sphere without radius) can be hit now or the reverse. The tree is then as it was.
+    pub fn refit(&mut self, primitives: &[P]) -> Result<(), RefitError> {
+        let ids = self.blocks.iter().flat_map(|block| *block.ids()).filter(|&id| id != NO_ID);
+        let bounds = |id: u32| finite_part(primitives[id as usize].bounds());
+        let any_empty = || {
+            self.blocks
+                .par_iter()
+                .any(|block| block.ids().iter().any(|&id| id != NO_ID && bounds(id).is_none()))
+        };
+        self.tree.check_refit(primitives.len(), any_empty, ids, |id| bounds(id).is_none())?;
         let boxes: Vec<Aabb> = self
             .blocks
             .par_iter_mut()
             .map(|block| {
                 let ids = *block.ids();
-                let lanes: [P; WIDTH] = ids.map(|id| {
-                    let id = if id == NO_ID { ids[0] } else { id } as usize;
-                    assert!(
-                        id < primitives.len(),
-                        "the tree holds primitive {id}, and there are {} now",
-                        primitives.len()
-                    );
-                    primitives[id]
-                });
-                *block = P::pack(&lanes, ids);
-                lanes.iter().zip(ids).fold(Aabb::EMPTY, |sum, (primitive, id)| {
-                    let bounds = primitive.bounds();
-                    assert!(!bounds.is_empty(), "no ray can hit primitive {id} any more");
-                    sum.union(bounds)
-                })
+                let lane = |id: u32| primitives[if id == NO_ID { ids[0] } else { id } as usize];
+                *block = P::pack(&ids.map(lane), ids);
+                let used = ids.iter().filter(|&&id| id != NO_ID);
+                used.filter_map(|&id| bounds(id)).fold(Aabb::EMPTY, Aabb::union)
             })
             .collect();
-        // A child is made after its parent, but the top of the tree is joined to subtrees that stand
-        // behind it: either way the index of a child is the larger one.
-        let mut whole = vec![Aabb::EMPTY; self.tree.nodes.len()];
-        for index in (0..self.tree.nodes.len()).rev() {
-            let node = &mut self.tree.nodes[index];
-            for slot in 0..WIDTH {
-                let child = node.children[slot];
-                if child == Child::NONE {
-                    continue;
-                }
-                let bounds =
-                    if child.is_leaf() { boxes[child.index()] } else { whole[child.index()] };
-                debug_assert!(child.is_leaf() || child.index() > index, "children come later");
-                node.set(slot, bounds, child);
-                whole[index] = whole[index].union(bounds);
-            }
-        }
-        if self.tree.root != Child::NONE {
-            self.tree.bounds = whole[self.tree.root.index()];
-        }
+        self.tree.refit(|leaf| boxes[leaf]);
+        Ok(())
     }
 }

@@ -79,7 +79,7 @@ pub(crate) fn boxes(balls: &[Ball]) -> Vec<Aabb> {
 
 pub(crate) fn ask(bvh: &Bvh, balls: &[Ball], ray: &Ray) -> Option<(u32, f32)> {
     bvh.closest(ray, |id, ray| Some((balls[id as usize].closest(ray)?, ())))
-        .map(|(id, t, ())| (id, t))
+        .map(|found| (found.id, found.t))
 }
 
 pub(crate) fn ask_any(bvh: &Bvh, balls: &[Ball], ray: &Ray) -> bool {

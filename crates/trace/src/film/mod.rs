@@ -12,6 +12,7 @@ pub(crate) use pixel::PixelSum;
 
 use crate::{Options, RenderError, Shard};
 use glam::Vec3;
+use rotund_image::Image;
 
 /// The sums of the samples of each pixel, and statistics of the samples.
 ///
@@ -257,17 +258,6 @@ impl Film {
 
 /// Largest number of pixels of a film: 1 TiB of sums.
 const MOST_PIXELS: usize = 1 << 34;
-
-/// Linear RGB and coverage, row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Red, green, blue and alpha.
-    pub pixels: Vec<[f32; 4]>,
-}
 
 #[cfg(test)]
 mod tests {
