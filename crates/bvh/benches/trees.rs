@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use rotund_bvh::{Form, Isa, SphereTree};
+use rotund_bvh::{Isa, Method, SphereTree};
 use rotund_geometry::{Ray, Sphere};
 use std::hint::black_box;
 
@@ -30,14 +30,14 @@ fn trees(c: &mut Criterion) {
     group.throughput(Throughput::Elements(rays.len() as u64));
     for isa in Isa::available() {
         let tree = SphereTree::build(&spheres).with_isa(isa);
-        let hits = rays.iter().filter(|ray| tree.any(ray, Form::Enhanced)).count();
+        let hits = rays.iter().filter(|ray| tree.any(ray, Method::Enhanced)).count();
         assert!((rays.len() / 4..rays.len() * 3 / 4).contains(&hits), "{hits} hits");
-        for (name, form) in [("enhanced", Form::Enhanced), ("vanilla", Form::Vanilla)] {
-            group.bench_function(format!("closest, {name}, {}", isa.name()), |b| {
-                b.iter(|| rays.iter().filter(|ray| tree.closest(ray, form).is_some()).count());
+        for method in Method::ALL {
+            group.bench_function(format!("closest, {method}, {}", isa.name()), |b| {
+                b.iter(|| rays.iter().filter(|ray| tree.closest(ray, method).is_some()).count());
             });
-            group.bench_function(format!("any, {name}, {}", isa.name()), |b| {
-                b.iter(|| rays.iter().filter(|ray| tree.any(ray, form)).count());
+            group.bench_function(format!("any, {method}, {}", isa.name()), |b| {
+                b.iter(|| rays.iter().filter(|ray| tree.any(ray, method)).count());
             });
         }
     }

@@ -11,14 +11,15 @@
 //! same input gives the same tree for any number of threads.
 
 mod build;
+mod build_range;
 mod bvh;
 mod fold;
 mod found;
-mod huge;
+mod huge_pages;
 mod isa;
 mod node;
 mod packed;
-mod record;
+mod prim_ref;
 mod refit;
 mod sah;
 mod simd;
@@ -30,6 +31,6 @@ pub use build::MAX_PRIMITIVES;
 pub use bvh::Bvh;
 pub use found::{Found, PrimitiveHit};
 pub use isa::{Isa, UnknownIsa};
-pub use packed::{ConeTree, Form, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
+pub use packed::{ConeTree, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
 pub use refit::RefitError;
-pub use rotund_geometry as geometry;
+pub use rotund_geometry::{self as geometry, Method};

@@ -4,7 +4,7 @@ mod support;
 
 use glam::{Vec2, Vec3};
 use rotund_bvh::{
-    Bvh, ConeTree, Form, Isa, PatchTree, PrimitiveHit, RefitError, SphereTree, TriangleTree,
+    Bvh, ConeTree, Isa, Method, PatchTree, PrimitiveHit, RefitError, SphereTree, TriangleTree,
 };
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use support::Random;
@@ -23,7 +23,7 @@ fn loop_over(count: usize, closest: impl Fn(usize) -> Option<Hit>) -> Answer {
     (best, best.is_some())
 }
 
-/// Compares a tree with the loop, over `rays`, in both forms and on every instruction set.
+/// Compares a tree with the loop, over `rays`, with both methods and on every instruction set.
 macro_rules! check {
     ($tree:ty, $primitives:expr, $rays:expr, $least_hits:expr, $vanilla:expr) => {{
         let (primitives, rays) = ($primitives, $rays);
@@ -31,20 +31,20 @@ macro_rules! check {
             .into_iter()
             .map(|isa| <$tree>::build(&primitives).with_isa(isa))
             .collect();
-        for form in [Form::Enhanced, Form::Vanilla] {
+        for method in Method::ALL {
             let mut hits = 0;
             for ray in &rays {
-                let expected = loop_over(primitives.len(), |id| match form {
-                    Form::Enhanced => primitives[id].closest(ray),
-                    Form::Vanilla => $vanilla(&primitives[id]).closest(ray),
+                let expected = loop_over(primitives.len(), |id| match method {
+                    Method::Enhanced => primitives[id].closest(ray),
+                    Method::Vanilla => $vanilla(&primitives[id]).closest(ray),
                 });
                 hits += usize::from(expected.1);
                 for tree in &trees {
-                    let found = (tree.closest(ray, form), tree.any(ray, form));
-                    assert_eq!(found, expected, "{form:?}, {:?}, {ray:?}", tree.isa());
+                    let found = (tree.closest(ray, method), tree.any(ray, method));
+                    assert_eq!(found, expected, "{method:?}, {:?}, {ray:?}", tree.isa());
                 }
             }
-            assert!(hits >= $least_hits, "{form:?}: {hits} hits test little");
+            assert!(hits >= $least_hits, "{method:?}: {hits} hits test little");
         }
     }};
 }
@@ -310,8 +310,8 @@ fn primitives_with_nan_or_infinity_are_left_out() {
 fn an_empty_tree_meets_nothing() {
     let tree = SphereTree::build(&[]);
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    assert_eq!(tree.closest(&ray, Form::Enhanced), None);
-    assert!(!tree.any(&ray, Form::Enhanced));
+    assert_eq!(tree.closest(&ray, Method::Enhanced), None);
+    assert!(!tree.any(&ray, Method::Enhanced));
 }
 
 #[test]
@@ -326,9 +326,49 @@ fn a_packed_tree_agrees_with_a_tree_of_boxes() {
             let asked = plain
                 .closest(&ray, |id, ray| balls[id as usize].closest(ray).map(|hit| (hit.t, hit)))
                 .map(|found| PrimitiveHit { id: found.id, hit: found.value });
-            assert_eq!(packed.closest(&ray, Form::Enhanced), asked, "{isa:?}, {ray:?}");
+            assert_eq!(packed.closest(&ray, Method::Enhanced), asked, "{isa:?}, {ray:?}");
         }
     }
+}
+
+#[test]
+fn closest_of_and_any_of_agree_with_a_loop_over_every_kind_of_primitive() {
+    let mut random = Random(17);
+    macro_rules! check_of {
+        ($primitives:expr) => {{
+            let primitives = $primitives;
+            let plain = Bvh::build_of(&primitives);
+            let mut hits = 0;
+            for ray in rays(&mut random, 1000) {
+                let expected = loop_over(primitives.len(), |id| primitives[id].closest(&ray));
+                for isa in Isa::available() {
+                    let plain = plain.clone().with_isa(isa);
+                    let found =
+                        (plain.closest_of(&primitives, &ray), plain.any_of(&primitives, &ray));
+                    assert_eq!(found, expected, "{isa:?}, {ray:?}");
+                }
+                hits += usize::from(expected.1);
+            }
+            assert!(hits > 30, "{hits} hits test little");
+        }};
+    }
+    let balls = spheres(&mut random, 300, 0.2);
+    let tubes = cones(&mut random, 300, 0.5);
+    let sheet = patches(&mut random, 300, 0.5);
+    check_of!(balls.repeat(2));
+    check_of!(balls.iter().map(point).collect::<Vec<_>>());
+    check_of!(tubes.clone());
+    check_of!(tubes.iter().map(line).collect::<Vec<_>>());
+    check_of!(sheet.clone());
+    check_of!(sheet.iter().map(quad).collect::<Vec<_>>());
+    check_of!(triangles(&mut random, 300, 0.5));
+}
+
+#[test]
+#[should_panic(expected = "built over 3 primitives and is queried with 2")]
+fn a_query_with_another_number_of_primitives_panics() {
+    let balls = [Sphere { center: Vec3::ZERO, radius: 1.0 }; 3];
+    let _ = Bvh::build_of(&balls).any_of(&balls[..2], &Ray::new(Vec3::ZERO, Vec3::X));
 }
 
 #[test]
@@ -354,7 +394,10 @@ fn a_tree_that_is_refitted_agrees_with_a_loop() {
     assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());
     for ray in rays(&mut random, 200) {
         let expected = loop_over(balls.len(), |id| balls[id].closest(&ray));
-        assert_eq!((tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced)), expected);
+        assert_eq!(
+            (tree.closest(&ray, Method::Enhanced), tree.any(&ray, Method::Enhanced)),
+            expected
+        );
     }
 }
 
@@ -371,7 +414,8 @@ fn refitted_trees_of_every_kind_agree_with_a_loop() {
             let mut hits = 0;
             for ray in rays(&mut random, 300) {
                 let expected = loop_over(moved.len(), |id| moved[id].closest(&ray));
-                let found = (tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced));
+                let found =
+                    (tree.closest(&ray, Method::Enhanced), tree.any(&ray, Method::Enhanced));
                 assert_eq!(found, expected, "{ray:?}");
                 hits += usize::from(expected.1);
             }
@@ -425,7 +469,7 @@ fn statistics_and_visits_add_up() {
     assert_eq!(statistics.primitives, balls.len());
     assert_eq!(statistics.children, statistics.nodes - 1 + statistics.leaves);
     assert!(statistics.bytes < 56 * balls.len(), "{statistics:?}");
-    let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Form::Enhanced);
+    let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Method::Enhanced);
     assert!(through_the_middle.nodes > 0 && through_the_middle.primitives > 0);
-    assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Form::Enhanced).primitives, 0);
+    assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Method::Enhanced).primitives, 0);
 }

@@ -4,7 +4,7 @@ use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame}
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 use rotund_bvh::{
-    Bvh, ConeTree, Form, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree,
+    Bvh, ConeTree, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree,
 };
 use rotund_geometry::{Aabb, Hit, Ray};
 
@@ -187,7 +187,7 @@ impl Trees {
     fn closest_in(&self, scene: &Scene, placement: &Placement, ray: &Ray) -> Option<PrimitiveHit> {
         let shape = &scene.shapes[placement.shape as usize];
         let tree = &self.trees[placement.tree as usize];
-        tree.closest(&placement.object_ray(shape, ray), form(shape.method))
+        tree.closest(&placement.object_ray(shape, ray), shape.method)
     }
 
     /// The hit of an element of a placement, in world space.
@@ -246,7 +246,7 @@ impl Trees {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let ray = placement.object_ray(shape, ray);
-            self.trees[placement.tree as usize].any(&ray, form(shape.method))
+            self.trees[placement.tree as usize].any(&ray, shape.method)
         };
         if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }
@@ -311,21 +311,21 @@ impl ShapeTree {
         }
     }
 
-    fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit> {
+    fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
         match self {
-            Self::Points(tree) => tree.closest(ray, form),
-            Self::Lines(tree) => tree.closest(ray, form),
-            Self::Triangles(tree) => tree.closest(ray, form),
-            Self::Quads(tree) => tree.closest(ray, form),
+            Self::Points(tree) => tree.closest(ray, method),
+            Self::Lines(tree) => tree.closest(ray, method),
+            Self::Triangles(tree) => tree.closest(ray, method),
+            Self::Quads(tree) => tree.closest(ray, method),
         }
     }
 
-    fn any(&self, ray: &Ray, form: Form) -> bool {
+    fn any(&self, ray: &Ray, method: Method) -> bool {
         match self {
-            Self::Points(tree) => tree.any(ray, form),
-            Self::Lines(tree) => tree.any(ray, form),
-            Self::Triangles(tree) => tree.any(ray, form),
-            Self::Quads(tree) => tree.any(ray, form),
+            Self::Points(tree) => tree.any(ray, method),
+            Self::Lines(tree) => tree.any(ray, method),
+            Self::Triangles(tree) => tree.any(ray, method),
+            Self::Quads(tree) => tree.any(ray, method),
         }
     }
 }
@@ -341,11 +341,4 @@ fn shared_tree(scene: &Scene, instances: &[Instance]) -> (TriangleTree, Vec<u32>
         }
     }
     (TriangleTree::build(&triangles), starts)
-}
-
-fn form(method: Method) -> Form {
-    match method {
-        Method::Vanilla => Form::Vanilla,
-        Method::Enhanced => Form::Enhanced,
-    }
 }

@@ -7,7 +7,7 @@
 use bvh::bounding_hierarchy::BoundingHierarchy;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use obvhs::{BvhBuildParams, cwbvh::builder::build_cwbvh_from_tris};
-use rotund_bvh::{Form, TriangleTree};
+use rotund_bvh::{Method, TriangleTree};
 use rotund_geometry::{Ray, Triangle, glam::Vec3};
 use std::hint::black_box;
 use std::time::Duration;
@@ -102,7 +102,7 @@ fn peers(c: &mut Criterion) {
     group.bench_function("build, obvhs", |b| b.iter(|| build_obvhs(black_box(&theirs))));
 
     let ours = TriangleTree::build(&triangles);
-    let ours = || rays.iter().filter(|ray| ours.closest(ray, Form::Enhanced).is_some()).count();
+    let ours = || rays.iter().filter(|ray| ours.closest(ray, Method::Enhanced).is_some()).count();
     let mut bvh_shapes = shapes();
     let bvh_tree = bvh::bvh::Bvh::build(&mut bvh_shapes);
     let by_bvh = || {

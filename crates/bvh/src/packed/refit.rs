@@ -2,7 +2,7 @@
 
 use super::Packed;
 use super::kernel::{HasIds, Kernel, NO_ID};
-use crate::record::finite_part;
+use crate::prim_ref::finite_part;
 use crate::refit::RefitError;
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
@@ -22,7 +22,7 @@ impl<P: Kernel> Packed<P> {
     /// number that is not finite, a sphere without radius) can be hit now or the reverse. The tree is then as it was.
     pub fn refit(&mut self, primitives: &[P]) -> Result<(), RefitError> {
         let ids = self.blocks.iter().flat_map(|block| *block.ids()).filter(|&id| id != NO_ID);
-        let bounds = |id: u32| finite_part(primitives[id as usize].bounds());
+        let bounds = |id: u32| finite_part(primitives[id as usize].tree_bounds());
         let any_empty = || {
             self.blocks
                 .par_iter()
