@@ -18,8 +18,9 @@ fn a_transparent_background_has_no_radiance_and_alpha_0() {
     // A sheet over the left half that is half opaque, before a ball in the middle.
     let sheet = quad([[-2.0, -2.0, 1.0], [0.0, -2.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 2.0, 1.0]]);
     let black = Material { color: Vec3::ZERO, ..Material::default() };
+    let grey = Material { color: Vec3::splat(0.5), ..Material::default() };
     let half = Material { opacity: 0.5, ..black.clone() };
-    let scene = scene(vec![(sheet, half), (ball([0.0; 3], 0.5), Material::default())], SKY);
+    let scene = scene(vec![(sheet, half), (ball([0.0; 3], 0.5), grey)], SKY);
     let options = Options { width: 48, height: 32, samples: 64, ..Options::default() };
     let shown = pixels(&scene, &options);
     let hidden = pixels(&scene, &Options { transparent: true, ..options.clone() });

@@ -10,7 +10,7 @@ const BATCH_LIMIT: Duration = Duration::from_millis(70);
 /// Passes over the pixels get longer until they take between half of this and this.
 const PASS_TIME: Duration = Duration::from_millis(500);
 /// Longest time that the samples of one pixel in one pass may take, on average over a batch.
-const PIXEL_TIME: Duration = Duration::from_millis(10);
+const PIXEL_TIME: Duration = Duration::from_millis(20);
 /// Number of runs of a batch for each thread: so many that threads which finish early wait little.
 const RUNS_PER_THREAD: usize = 64;
 /// Largest number of consecutive pixels that a thread takes at once.
