@@ -1,6 +1,5 @@
 //! The state that all paths of a render share.
 
-use crate::bounds::{instance_bounds, scene_bounds};
 use crate::{Lights, Options, View};
 use glam::Vec3;
 use rotund_geometry::Aabb;
@@ -50,7 +49,7 @@ impl<'a> Context<'a> {
         options: &Options,
     ) -> Self {
         let &Options { view, bounces, transparent, .. } = options;
-        let bounds = if view == View::Position { scene_bounds(scene) } else { Aabb::EMPTY };
+        let bounds = if view == View::Position { scene.bounds() } else { Aabb::EMPTY };
         let furnace = view == View::Furnace;
         Self { scene, trees, lights, facts, bounces, furnace, transparent, bounds }
     }
@@ -79,9 +78,10 @@ fn is_opaque(scene: &Scene) -> bool {
 /// False only if nothing emits inside of the solids that scatter.
 fn is_lit_inside(scene: &Scene) -> bool {
     let boxes = |wanted: fn(&Material) -> bool| {
-        let of = |instance: &&Instance| wanted(&scene.materials[instance.material as usize]);
-        let found = scene.instances.iter().filter(of);
-        found.map(|instance| instance_bounds(scene, instance)).collect::<Vec<_>>()
+        let of =
+            |(_, instance): &(u32, &Instance)| wanted(&scene.materials[instance.material as usize]);
+        let found = (0..).zip(&scene.instances).filter(of);
+        found.map(|(index, _)| scene.instance_bounds(index)).collect::<Vec<_>>()
     };
     let lamps = boxes(|material| material.emission != Vec3::ZERO);
     let solids = boxes(|material| {

@@ -1,6 +1,7 @@
 //! Reasons why a render is refused.
 
 use crate::film::FilmError;
+use rotund_scene::SceneError;
 
 /// A reason why a render is refused before it begins.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -17,6 +18,8 @@ pub enum RenderError {
     Clamp { clamp: f32 },
     #[error("cannot resume the film: its {field} is {film}, that of the options {options}")]
     OtherPicture { field: &'static str, film: String, options: String },
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     #[error(transparent)]
     Film(#[from] FilmError),
 }

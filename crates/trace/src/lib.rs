@@ -21,12 +21,11 @@
 //! let scene =
 //!     Scene { cameras: vec![Camera::default()], environments: vec![sky], ..Scene::default() };
 //! let options = Options { width: 3, height: 2, samples: 4, ..Options::default() };
-//! let film = World::new(&scene).render(0, &options)?;
+//! let film = World::new(&scene)?.render(0, &options)?;
 //! assert_eq!(film.image().pixels[0], [0.2, 0.4, 0.8, 1.0]);
 //! # Ok::<(), rotund_trace::RenderError>(())
 //! ```
 
-mod bounds;
 pub mod bsdf;
 mod camera_ray;
 mod context;

@@ -3,7 +3,7 @@
 use crate::Lights;
 use crate::context::Facts;
 use glam::Vec3A;
-use rotund_scene::{Camera, Scene, Trees};
+use rotund_scene::{Camera, Scene, SceneError, Trees};
 
 /// A scene with its camera at the origin.
 #[derive(Debug)]
@@ -31,11 +31,12 @@ pub(crate) fn better_origin(scene: &Scene, camera: &Camera) -> Option<Vec3A> {
 }
 
 impl Near {
-    pub(crate) fn new(scene: &Scene, camera: usize, origin: Vec3A) -> Self {
+    pub(crate) fn new(scene: &Scene, camera: usize, origin: Vec3A) -> Result<Self, SceneError> {
         let mut scene = scene.clone();
         scene.recenter(origin);
-        let (trees, lights) = (Trees::build(&scene), Lights::build(&scene));
+        let trees = Trees::build(&scene)?;
+        let lights = Lights::of_valid(&scene);
         let facts = Facts::new(&scene);
-        Self { camera, scene, trees, lights, facts }
+        Ok(Self { camera, scene, trees, lights, facts })
     }
 }

@@ -59,7 +59,7 @@ impl World<'_> {
         self.camera(camera)?;
         options.validate()?;
         check_film(film, options)?;
-        match self.near(camera, options) {
+        match self.near(camera, options)? {
             None => {
                 let context = self.context(options);
                 take_samples(film, &context, &self.scene().cameras[camera], options, progress);

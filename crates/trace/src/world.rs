@@ -4,7 +4,7 @@ use crate::context::{Context, Facts};
 use crate::near::{Near, better_origin};
 use crate::{Lights, Options, RenderError, View};
 use rotund_geometry::Ray;
-use rotund_scene::{Camera, Scene, SceneHit, Trees};
+use rotund_scene::{Camera, Scene, SceneError, SceneHit, Trees};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -27,16 +27,30 @@ pub struct World<'a> {
 
 impl<'a> World<'a> {
     /// Builds trees and lights on the threads of the current rayon pool.
-    #[must_use]
-    pub fn new(scene: &'a Scene) -> Self {
-        let (trees, lights) = (Trees::build(scene), Lights::build(scene));
-        Self::assemble(scene, Cow::Owned(trees), Cow::Owned(lights))
+    ///
+    /// # Errors
+    ///
+    /// If [`Scene::validate`] refuses the scene.
+    pub fn new(scene: &'a Scene) -> Result<Self, SceneError> {
+        let trees = Trees::build(scene)?;
+        let lights = Lights::of_valid(scene);
+        Ok(Self::assemble(scene, Cow::Owned(trees), Cow::Owned(lights)))
     }
 
-    /// Puts a world together from trees and lights that exist already and were built from this scene.
-    #[must_use]
-    pub fn from_parts(scene: &'a Scene, trees: &'a Trees, lights: &'a Lights) -> Self {
-        Self::assemble(scene, Cow::Borrowed(trees), Cow::Borrowed(lights))
+    /// Puts a world together from trees and lights that exist already. They must have been built from
+    /// this scene, or refitted to it; those of another scene give wrong pictures, or panics at indices that
+    /// are out of range.
+    ///
+    /// # Errors
+    ///
+    /// If [`Scene::validate`] refuses the scene.
+    pub fn from_parts(
+        scene: &'a Scene,
+        trees: &'a Trees,
+        lights: &'a Lights,
+    ) -> Result<Self, SceneError> {
+        scene.validate()?;
+        Ok(Self::assemble(scene, Cow::Borrowed(trees), Cow::Borrowed(lights)))
     }
 
     fn assemble(scene: &'a Scene, trees: Cow<'a, Trees>, lights: Cow<'a, Lights>) -> Self {
@@ -89,19 +103,23 @@ impl<'a> World<'a> {
     }
 
     /// Returns the scene about its camera, if `options` ask for it and it gains digits.
-    pub(crate) fn near(&self, camera: usize, options: &Options) -> Option<Arc<Near>> {
+    pub(crate) fn near(
+        &self,
+        camera: usize,
+        options: &Options,
+    ) -> Result<Option<Arc<Near>>, RenderError> {
         if !options.recenter || options.view != View::Path {
-            return None;
+            return Ok(None);
         }
-        let origin = better_origin(self.scene, self.scene.cameras.get(camera)?)?;
+        let Some(origin) = better_origin(self.scene, self.camera(camera)?) else { return Ok(None) };
         let mut kept = self.near.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(near) = kept.as_ref().filter(|near| near.camera == camera) {
-            return Some(Arc::clone(near));
+            return Ok(Some(Arc::clone(near)));
         }
         // The memory of another camera's is free before that of this one is taken.
         *kept = None;
-        let near = Arc::new(Near::new(self.scene, camera, origin));
+        let near = Arc::new(Near::new(self.scene, camera, origin)?);
         *kept = Some(Arc::clone(&near));
-        Some(near)
+        Ok(Some(near))
     }
 }

@@ -10,7 +10,7 @@ use support::{ball, quad, scene};
 const SKY: Vec3 = Vec3::new(0.25, 0.5, 1.0);
 
 fn pixels(scene: &Scene, options: &Options) -> Vec<[f32; 4]> {
-    World::new(scene).render(0, options).expect("a picture").image().pixels
+    World::new(scene).expect("a valid scene").render(0, options).expect("a picture").image().pixels
 }
 
 #[test]

@@ -21,7 +21,7 @@ const OPTIONS: Options = Options {
 };
 
 fn render(scene: &Scene, options: &Options) -> Film {
-    World::new(scene).render(0, options).expect("a picture")
+    World::new(scene).expect("a valid scene").render(0, options).expect("a picture")
 }
 
 /// Frames with few digits, so that they can be moved without rounding.
@@ -40,7 +40,7 @@ fn a_scene_far_away_makes_the_bits_of_one_at_the_origin() {
     let expected = render(&here, &OPTIONS);
     assert_eq!(render(&there, &OPTIONS), expected);
     // Rendering again, resuming, and another view in between all find the scene they should.
-    let world = World::new(&there);
+    let world = World::new(&there).expect("a valid scene");
     let half = Options { samples: 2, ..OPTIONS };
     let mut film = world.render(0, &half).expect("a picture");
     let position = Options { view: View::Position, ..OPTIONS };
@@ -57,7 +57,7 @@ fn each_camera_decides_for_itself() {
     let mut far = scene.cameras[0].clone();
     far.world_from_camera.translation += Vec3A::new(1e6, 0.0, 0.0);
     scene.cameras.push(far);
-    let world = World::new(&scene);
+    let world = World::new(&scene).expect("a valid scene");
     let [first, second] = [0, 1].map(|camera| world.render(camera, &OPTIONS).expect("a picture"));
     assert_eq!(first, world.render(0, &OPTIONS).expect("a picture"));
     assert_ne!(first, second);
@@ -66,7 +66,8 @@ fn each_camera_decides_for_itself() {
 #[test]
 fn layers_show_positions_where_they_are() {
     let place = Vec3::new(65536.0, -32768.0, 131_072.0);
-    let layers = World::new(&moved(place)).layers(0, &OPTIONS).expect("layers");
+    let layers =
+        World::new(&moved(place)).expect("a valid scene").layers(0, &OPTIONS).expect("layers");
     let center = layers.position[8 * 24 + 12];
     assert!(center.distance(place) < 10.0, "{center}");
 }

@@ -53,7 +53,7 @@ fn furnace(scene: &Scene) -> [f64; 3] {
 fn pixels(scene: &Scene, view: View) -> [f64; 3] {
     let options =
         Options { width: 48, height: 32, samples: 64, bounces: 4096, view, ..Options::default() };
-    let film = World::new(scene).render(0, &options).expect("a picture");
+    let film = World::new(scene).expect("a valid scene").render(0, &options).expect("a picture");
     assert_eq!(film.rejected(), 0, "every sample is a radiance");
     let pixels = film.image().pixels;
     let values = || pixels.iter().map(|pixel| f64::from(pixel[0]));

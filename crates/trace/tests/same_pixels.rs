@@ -23,7 +23,8 @@ const OPTIONS: Options = Options {
 
 fn picture(scene: &Scene, options: &Options, threads: usize) -> Film {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    pool.install(|| World::new(scene).render(0, options)).expect("a picture")
+    pool.install(|| World::new(scene).expect("a valid scene").render(0, options))
+        .expect("a picture")
 }
 
 #[test]
@@ -57,7 +58,7 @@ const LARGER: Options = Options { width: 160, height: 120, samples: 3, bounces: 
 #[test]
 fn a_picture_that_was_interrupted_and_resumed_is_the_same() {
     let scene = support::glass_over_a_floor();
-    let world = World::new(&scene);
+    let world = World::new(&scene).expect("a valid scene");
     let film = begun(&world, &LARGER, 2);
     assert!(film.samples() < LARGER.samples, "it was not interrupted");
     // By way of a file, as another process would.
@@ -73,7 +74,7 @@ fn a_picture_that_was_interrupted_and_resumed_is_the_same() {
 #[test]
 fn an_interruption_after_every_batch_loses_nothing() {
     let scene = support::glass_over_a_floor();
-    let world = World::new(&scene);
+    let world = World::new(&scene).expect("a valid scene");
     let whole = picture(&scene, &LARGER, 2);
     for every in [1, 2, 3] {
         let mut film = begun(&world, &LARGER, 1);
@@ -103,14 +104,15 @@ fn progress_counts_samples_and_rays() {
     let scene = support::glass_over_a_floor();
     let mut last = (0, 0);
     let all = u64::from(OPTIONS.width * OPTIONS.height * OPTIONS.samples);
-    let film = World::new(&scene).render_with(0, &OPTIONS, &mut |progress| {
-        let now = (progress.samples, progress.rays);
-        assert!(now.0 > last.0 && now.1 > last.1, "{now:?} after {last:?}");
-        assert_eq!(progress.total, all);
-        assert_eq!(progress.fraction(), now.0 as f64 / all as f64);
-        last = now;
-        ControlFlow::Continue(())
-    });
+    let film =
+        World::new(&scene).expect("a valid scene").render_with(0, &OPTIONS, &mut |progress| {
+            let now = (progress.samples, progress.rays);
+            assert!(now.0 > last.0 && now.1 > last.1, "{now:?} after {last:?}");
+            assert_eq!(progress.total, all);
+            assert_eq!(progress.fraction(), now.0 as f64 / all as f64);
+            last = now;
+            ControlFlow::Continue(())
+        });
     assert_eq!(film.expect("a picture").samples(), OPTIONS.samples);
     assert_eq!(last.0, all);
     assert!(last.1 >= all, "each path has a camera ray");
@@ -119,7 +121,7 @@ fn progress_counts_samples_and_rays() {
 #[test]
 fn what_cannot_be_rendered_is_refused_and_the_culprit_is_named() {
     let scene = support::glass_over_a_floor();
-    let world = World::new(&scene);
+    let world = World::new(&scene).expect("a valid scene");
     let table = [
         (1, OPTIONS, "there is no camera 1: the scene has 1, counted from 0"),
         (0, Options { width: 0, ..OPTIONS }, "option `width` is 0; it must be at least 1"),
@@ -219,7 +221,7 @@ fn a_damaged_checkpoint_is_refused() {
 fn a_picture_written_again_has_the_same_bytes() {
     let scene = support::glass_over_a_floor();
     let options = Options { width: 300, height: 200, samples: 1, ..OPTIONS };
-    let layers = World::new(&scene).layers(0, &options).expect("layers");
+    let layers = World::new(&scene).expect("a valid scene").layers(0, &options).expect("layers");
     // Tiles of very unequal work.
     let value = |i: u32| if i % 300 < 150 { 0.25 } else { (i as f32 * 0.7).sin().exp() };
     let pixels = (0..300 * 200).map(|i| [value(i), value(i + 1), value(i + 2), 1.0]).collect();

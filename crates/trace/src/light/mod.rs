@@ -15,7 +15,7 @@ use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
-use rotund_scene::{Instance, Scene, SceneHit};
+use rotund_scene::{Instance, Scene, SceneError, SceneHit};
 pub use tree::Receiver;
 use tree::{Extent, LightTree};
 
@@ -151,8 +151,17 @@ impl Lights {
     /// Some lights are never sampled, and [`Self::pdf`] is 0 for them: vanilla points and lines, whose
     /// surface depends on the ray; spheres and cones under a transform that deforms them; and constant
     /// environments. Directions from the BSDF find them and have weight 1, so they are right too.
-    #[must_use]
-    pub fn build(scene: &Scene) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// If [`Scene::validate`] refuses the scene.
+    pub fn build(scene: &Scene) -> Result<Self, SceneError> {
+        scene.validate()?;
+        Ok(Self::of_valid(scene))
+    }
+
+    /// [`Self::build`] for a scene that has been validated.
+    pub(crate) fn of_valid(scene: &Scene) -> Self {
         let mut emitters = Vec::new();
         let first_emitter = (0..scene.instances.len())
             .map(|instance| {

@@ -43,7 +43,7 @@ fn assert_lit(why: &str, light: &Scene, at: Receiver, outwards: Vec3, ask: Ask, 
 
 /// Irradiance by directions that know nothing of the light, and a bound on its standard deviation.
 fn found_by_chance(scene: &Scene, (position, normal): Receiver) -> (f64, f64) {
-    let trees = Trees::build(scene);
+    let trees = Trees::build(scene).expect("the scene is valid");
     let (x, y) = normal.any_orthonormal_pair();
     let hits = (0..SAMPLES).filter(|&index| {
         let [u, v, ..] = Sampler::new(Sequence::Sobol, 3, 0, 0, index).set(0);
@@ -101,7 +101,7 @@ fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 
         bounces: 2,
         ..Options::default()
     };
-    let world = World::new(&scene);
+    let world = World::new(&scene).expect("a valid scene");
     let seen = world.closest(&scene.cameras[0].ray(Vec2::splat(0.5), Vec2::ZERO));
     assert_eq!(seen.map(|hit| hit.instance), Some(1), "the square is seen at {position}");
     let film = world.render(0, &options).expect("a picture");
