@@ -1,72 +1,15 @@
-//! The commands of the Rotund workspace: `cargo xtask --help` lists them.
-//!
-//! Each command is a module with a clap `Args` and a `run(Args) -> anyhow::Result<()>`; this file
-//! only parses and dispatches. Commands compose functions of the crates and print; no formula of
-//! intersection or shading lives here.
-//!
-//! # Exit codes
-//!
-//! | code | meaning |
-//! | --- | --- |
-//! | 0 | done |
-//! | 1 | the command failed; standard error has one line, `error: ...` |
-//! | 2 | the command line was not understood; standard error says what was expected |
-//! | 130 | interrupted by Ctrl-C; standard error says what was written |
-//!
-//! A reader that closes standard output early (`cargo xtask ... | head`) is not an error.
-
-#![expect(clippy::print_stderr, reason = "this crate is the one that talks to people")]
+//! The commands of the workspace: those that measure and check it, and all of the program `rotund`.
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
-use std::io;
 use std::process::ExitCode;
 
-mod accuracy;
-mod cancel;
-mod checkpoint;
-mod compare;
-mod completions;
-mod console;
-mod diff;
-mod difference;
-mod golden;
-mod info;
-mod kinds;
-mod merge;
 mod moved;
-mod noise;
-mod output;
-mod picture;
-mod progress;
-mod rays;
-mod render;
-mod report;
-mod scene_source;
-mod shot;
 mod tidy;
-mod workspace;
 
-const EXIT_CODES: &str = "\
-Exit codes:
-  0    done
-  1    the command failed; standard error says why in one line
-  2    the command line was not understood
-  130  interrupted by Ctrl-C; standard error says what was written
-
-Examples:
-  cargo xtask compare shapes4
-  cargo xtask compare --all --samples 16
-  cargo xtask render shapes4 --mode vanilla --out vanilla.png
-  cargo xtask diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
-  cargo xtask golden
-  cargo xtask COMMAND --help
-
-Colours and progress bars are for terminals only; NO_COLOR turns colours off there too.";
-
-/// Points as spheres, lines as rounded cones, quads as bilinear patches: render, compare, measure.
+/// What developers of the workspace run, beside every command of the program `rotund`.
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = rotund_commands())]
 #[command(args_override_self = true)]
 struct Cli {
     #[command(subcommand)]
@@ -75,57 +18,48 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene vanilla and enhanced, and show what changed.
-    Compare(compare::Args),
-    /// Render one picture of a scene.
-    Render(render::Args),
-    /// Make one picture of the shards of a render.
-    Merge(merge::Args),
-    /// Say in numbers how far two images are apart.
-    Diff(diff::Args),
-    /// Plot how noise falls with time, for both samplers.
-    Noise(noise::Args),
-    /// List what a scene holds.
-    Info(info::Args),
+    /// Measure speed against error of every intersector.
+    Accuracy(rotund_study::accuracy::Args),
+    /// Measure how fast trees are built and walked.
+    Rays(RaysArgs),
     /// Render a scene far from the origin, tiny and huge, and say what changed.
     Moved(moved::Args),
-    /// Measure speed against error of every intersector.
-    Accuracy(accuracy::Args),
-    /// Check that the golden pictures look as they did.
-    Golden(golden::Args),
     /// Check what no compiler checks: directions, sizes, leftovers, scenes.
     Tidy(tidy::Args),
-    /// Measure how fast trees are built and walked.
-    Rays(rays::Args),
-    /// Print what a shell needs to complete commands.
-    Completions(completions::Args),
+    #[command(external_subcommand)]
+    Rotund(Vec<OsString>),
 }
 
-impl Cli {
-    /// Without a command, says which there are.
-    fn run(self) -> anyhow::Result<()> {
-        match self.command {
-            Some(command) => command.run(),
-            None => Ok(Self::command().print_help()?),
-        }
-    }
+#[derive(Debug, clap::Args)]
+struct RaysArgs {
+    #[command(flatten)]
+    rays: rotund_study::rays::Args,
+    #[command(flatten)]
+    load: rotund::scene_source::LoadArgs,
+}
+
+/// The commands of the program, for the help of this one.
+fn rotund_commands() -> String {
+    rotund::commands()
+        .into_iter()
+        .fold(String::from("Commands of the program rotund:\n"), |text, (name, about)| {
+            text + &format!("  {name:<12}{about}\n")
+        })
 }
 
 impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
-            Self::Compare(args) => compare::run(args),
-            Self::Render(args) => render::run(args),
-            Self::Merge(args) => merge::run(args),
-            Self::Diff(args) => diff::run(args),
-            Self::Noise(args) => noise::run(args),
-            Self::Info(args) => info::run(args),
+            Self::Accuracy(args) => rotund_study::accuracy::run(args),
+            Self::Rays(RaysArgs { rays, load }) => rotund_study::rays::run(rays, &|scene| {
+                let named = rotund::scene_source::load(scene, &load)?;
+                Ok((named.name, named.scene))
+            }),
             Self::Moved(args) => moved::run(args),
-            Self::Accuracy(args) => accuracy::run(args),
-            Self::Golden(args) => golden::run(args),
             Self::Tidy(args) => tidy::run(args),
-            Self::Rays(args) => rays::run(args),
-            Self::Completions(args) => completions::run(&args),
+            Self::Rotund(arguments) => {
+                rotund::run(std::iter::once("rotund".into()).chain(arguments))
+            }
         }
     }
 }
@@ -133,23 +67,7 @@ impl Command {
 /// Parses `arguments` (the first names the program), runs the command, reports failure on
 /// standard error and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
-    let cli = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
-        Err(error) => {
-            // If even this cannot be printed there is nobody left to tell.
-            let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
-        }
-    };
-    match cli.run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            let interrupted = error.is::<cancel::Cancelled>();
-            if interrupted { ExitCode::from(cancel::EXIT_CODE) } else { ExitCode::FAILURE }
-        }
-    }
+    rotund::report(run(arguments))
 }
 
 /// Runs a command as [`main`] does, but returns the error instead of printing it.
@@ -158,12 +76,8 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
 ///
 /// What the command line or the command itself complains about.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> anyhow::Result<()> {
-    Cli::try_parse_from(arguments)?.run()
-}
-
-/// Whether all that went wrong is that nobody reads standard output any more.
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
-    })
+    match Cli::try_parse_from(arguments)?.command {
+        Some(command) => command.run(),
+        None => Ok(Cli::command().print_help()?),
+    }
 }

@@ -6,16 +6,16 @@
 //! origin they are a multiple of a millimeter. To tell it from noise, the picture with another seed
 //! is held against the first as well.
 
-use crate::cancel::Cancelled;
-use crate::console::{Table, say};
-use crate::difference::Difference;
-use crate::difference::metrics::Metrics;
-use crate::kinds::enhance;
-use crate::output::{prepare_folder, write_text};
-use crate::picture::{Picture, write_png};
-use crate::shot::{PictureArgs, take};
 use anyhow::{Result, bail};
 use glam::{DAffine3, DVec3};
+use rotund::cancel::Cancelled;
+use rotund::kinds::enhance;
+use rotund::output::{prepare_folder, write_text};
+use rotund::shot::{PictureArgs, take};
+use rotund_image::Difference;
+use rotund_image::metrics::Metrics;
+use rotund_image::{Picture, write_png};
+use rotund_report::console::{Table, say};
 use rotund_scene::Scene;
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rotund_geometry::glam::Vec3;
 use rotund_geometry::vanilla::{Line, Point, Quad};
-use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, leave_surface};
+use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere};
 
 const RAYS: usize = 1024;
 
@@ -80,7 +80,7 @@ fn leaving(
         let hit = closest(ray).expect("the rays were chosen because they hit");
         let side = if (hit.normal.dot(ray.direction) < 0.0) != through { 1.0 } else { -1.0 };
         let direction = random.point().normalize_or(Vec3::X) + 1.001 * side * hit.normal;
-        Ray::new(leave_surface(hit.position, hit.error, hit.normal, direction), direction)
+        hit.spawn(direction)
     };
     rays(true, any).iter().map(spawn).collect()
 }

@@ -4,11 +4,19 @@ use glam::Vec3;
 
 /// A closed box, `min..=max` in each coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// The corner with the smallest coordinates.
     pub min: Vec3,
     /// The corner with the largest coordinates.
     pub max: Vec3,
+}
+
+/// The empty box, [`Aabb::EMPTY`].
+impl Default for Aabb {
+    fn default() -> Self {
+        Self::EMPTY
+    }
 }
 
 impl Aabb {

@@ -35,6 +35,7 @@ use crate::{Aabb, Hit, Ray, widen};
 /// assert_eq!(saddle.position(saddle.uv(&hit)), hit.position);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BilinearPatch {
     /// The corner `u = 0, v = 0`.
     pub p00: Vec3,
@@ -44,6 +45,13 @@ pub struct BilinearPatch {
     pub p01: Vec3,
     /// The corner `u = 1, v = 1`.
     pub p11: Vec3,
+}
+
+/// The unit square in the plane `z = 0`: the point with parameters `(u, v)` is `(u, v, 0)`.
+impl Default for BilinearPatch {
+    fn default() -> Self {
+        Self { p00: Vec3::ZERO, p10: Vec3::X, p01: Vec3::Y, p11: Vec3::new(1.0, 1.0, 0.0) }
+    }
 }
 
 queries!(

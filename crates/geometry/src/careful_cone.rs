@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use crate::beside::{self, Start};
 use crate::double_double::{Double, Real};
-use crate::float::{CANCELLATION, accept};
+use crate::float::CANCELLATION;
 use crate::sphere::FAR;
 use crate::{Ray, RoundedCone};
 
@@ -157,7 +157,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
             return Attempt::Found(None);
         }
         before = t.nearest();
-        if let Some(rounded) = accept(ray, t.nearest()) {
+        if let Some(rounded) = ray.accept(t.nearest()) {
             let x = [0, 1, 2].map(|i| (f[i] + t * d[i] - s * e[i]).nearest());
             let crossing = Crossing { t: rounded, s: s.nearest(), from_ball: x.into() };
             return Attempt::Found(Some(crossing));

@@ -2,8 +2,6 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::Ray;
-
 /// Half the distance between 1 and the next larger `f32`: the largest relative error of one
 /// rounding.
 pub const UNIT_ROUNDOFF: f32 = 0.5 * f32::EPSILON;
@@ -38,28 +36,19 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
 
 /// Bound on the distance between a point and `p`, its coordinates rounded to `f32`.
 ///
+/// This is the [`Hit::error`](crate::Hit::error) of all primitives here, which compute the point in
+/// `f64` and round it once; an own primitive that does so may use it too.
+///
 /// Each coordinate moves by at most `u |p_i|`, `u` being [`UNIT_ROUNDOFF`], or by half of the smallest
 /// subnormal number. The sum of the three bounds the length of the step, and costs no square root. The
 /// factor pays for the `f64` arithmetic before it; the smallest normal number stands in for the subnormal
 /// ones, so that the step never underflows.
+#[must_use]
 #[inline]
-pub(crate) fn rounding_error(p: Vec3) -> f32 {
+pub fn rounding_error(p: Vec3) -> f32 {
     const FACTOR: f32 = UNIT_ROUNDOFF * (1.0 + 16.0 * f32::EPSILON);
     let p = p.abs();
     FACTOR * (p.x + p.y + p.z) + f32::MIN_POSITIVE
-}
-
-/// Rounds `t` to `f32`; `None` if that is not finite or not in the interval of the ray.
-///
-/// The rounded value decides, because it is the one that callers see: a hit is always within its
-/// interval, and is found again if it becomes the end of the interval.
-#[inline]
-pub(crate) fn accept(ray: &Ray, t: f64) -> Option<f32> {
-    let t = t as f32;
-    // In this form, unlike `max` and `min`, a NaN end of the interval survives and rejects.
-    let first = if f32::MIN > ray.t_min { f32::MIN } else { ray.t_min };
-    let last = if f32::MAX < ray.t_max { f32::MAX } else { ray.t_max };
-    (t >= first && t <= last).then_some(t)
 }
 
 /// Rounds each coordinate to `f32`, once.

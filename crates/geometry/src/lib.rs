@@ -43,7 +43,7 @@
 //! | `position` | `1.0 u max(abs(p), size)` from the surface, and within [`Hit::error`] |
 //! | `normal` | `1e-5` degrees; a patch `2e-5`, more where a ray grazes to `1e-9` (`5e-4`) or next to a collapsed edge |
 //! | `position(uv(hit))` | `1.0 u` from the surface; up to `8 u` along it, for `uv` are `f32` |
-//! | a ray from [`leave_surface`] | never meets a sphere or a cone again from outside |
+//! | a ray from [`Hit::spawn`] | never meets a sphere or a cone again from outside |
 //! | a ray at a shared edge or corner of patches | one hit, whatever the order of their corners |
 //!
 //! `tests/` holds all of this against 106-bit arithmetic; `cargo xtask accuracy` prints it beside the
@@ -58,7 +58,7 @@
 //!
 //! ```
 //! use rotund_geometry::glam::Vec3;
-//! use rotund_geometry::{Ray, RoundedCone, leave_surface};
+//! use rotund_geometry::{Ray, RoundedCone};
 //!
 //! let cone = RoundedCone { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::new(0.0, 0.0, 3.0), r1: 0.5 };
 //! let ray = Ray::new(Vec3::new(0.0, 0.0, -5.0), Vec3::Z);
@@ -67,13 +67,11 @@
 //! assert_eq!(hit.position, Vec3::new(0.0, 0.0, -1.0));
 //!
 //! // On through the solid, to the other pole.
-//! let origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
-//! let inside = Ray::new(origin, ray.direction);
+//! let inside = hit.spawn(ray.direction);
 //! assert_eq!(cone.closest(&inside).map(|exit| exit.position.z), Some(3.5));
 //!
 //! // Reflected, it never meets the cone again.
-//! let origin = leave_surface(hit.position, hit.error, hit.normal, -ray.direction);
-//! assert!(!cone.any(&Ray::new(origin, -ray.direction)));
+//! assert!(!cone.any(&hit.spawn(-ray.direction)));
 //! ```
 
 #![no_std]
@@ -91,8 +89,10 @@ mod double_double;
 mod float;
 #[cfg(not(feature = "std"))]
 mod libm_functions;
+mod method;
 mod pair;
 mod patch_solver;
+mod primitive;
 mod profile;
 mod queries;
 mod ray;
@@ -107,9 +107,19 @@ mod widen;
 
 pub use aabb::Aabb;
 pub use bilinear_patch::BilinearPatch;
-pub use float::{UNIT_ROUNDOFF, leave_surface};
+pub use float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 pub use glam;
+pub use method::{Method, UnknownMethod};
+pub use primitive::Primitive;
 pub use ray::{Hit, Ray};
 pub use rounded_cone::RoundedCone;
 pub use sphere::Sphere;
 pub use triangle::Triangle;
+
+/// All public types can be shared between threads.
+const _: () = {
+    const fn is_send_and_sync<T: Send + Sync>() {}
+    is_send_and_sync::<(Aabb, Hit, Ray, Method, UnknownMethod)>();
+    is_send_and_sync::<(Sphere, RoundedCone, BilinearPatch, Triangle)>();
+    is_send_and_sync::<(vanilla::Point, vanilla::Line, vanilla::Quad)>();
+};

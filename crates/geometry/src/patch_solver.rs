@@ -41,7 +41,6 @@
 //! tools 9(3), 2004, for the quadratic in the plane; A. Reshetov, "Cool Patches", Ray Tracing Gems,
 //! chapter 8, 2019, for the choice of `a, b, c` and for the stable roots.
 
-use crate::float::accept;
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::pair::Pair;
@@ -115,7 +114,7 @@ pub(crate) fn solve(patch: &BilinearPatch, ray: &Ray) -> Common<Root<f32>> {
         let behind = view.is_behind(ray, discriminant, depth);
         return if behind { Common::Miss } else { Common::Unsure };
     }
-    accept(ray, view.space.t(depth)).map(|t| Root { t, u, v }).into()
+    ray.accept(view.space.t(depth)).map(|t| Root { t, u, v }).into()
 }
 
 /// The first of two crossings, if there are any. For corners that are not finite there is no such ray:
@@ -299,7 +298,7 @@ fn nearest(ray: &Ray, [first, second]: [Option<Root>; 2]) -> Option<Root<f32>> {
         roots => [roots.0, roots.1],
     };
     ordered.into_iter().flatten().find_map(|Root { t, u, v }| {
-        let t = accept(ray, t)?;
+        let t = ray.accept(t)?;
         Some(Root { t, u, v })
     })
 }

@@ -2,33 +2,53 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::float::{UNIT_ROUNDOFF, leave_surface};
+
 /// The points `origin + t * direction` with `t` in `t_min..=t_max`.
 ///
 /// The direction may have any length but zero; `t` counts in units of it. An interval that is empty
 /// or has a NaN end meets nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
-    /// Where `t` is zero.
+    /// The point at `t = 0`.
     pub origin: Vec3,
     /// The step of `t = 1`; not necessarily of unit length.
     pub direction: Vec3,
-    /// The nearest `t` that counts as a hit.
+    /// The smallest `t` that counts as a hit.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub t_min: f32,
-    /// The farthest `t` that counts as a hit.
+    /// The largest `t` that counts as a hit.
+    #[cfg_attr(feature = "serde", serde(default = "unbounded::none", with = "unbounded"))]
     pub t_max: f32,
 }
 
 impl Ray {
-    /// A ray from `origin` on to infinity, `t` in `0.0..=f32::INFINITY`.
+    /// Returns the ray from `origin` on to infinity, `t` in `0.0..=f32::INFINITY`.
     #[must_use]
     pub const fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// The point at `t`, rounded at each step; a [`Hit`] carries a better one.
+    /// Returns the point at `t`, rounded at each step; the position of a [`Hit`] is more accurate.
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
+    }
+
+    /// Rounds `t` to `f32`; returns `None` if the result is not finite or not in `t_min..=t_max`.
+    ///
+    /// All primitives decide by this whether a root counts. The rounded value decides, because callers
+    /// see that one: a hit is always within its interval, and is found again if it becomes an end of
+    /// the interval. A NaN, in `t` or at an end of the interval, gives `None`.
+    #[must_use]
+    #[inline]
+    pub fn accept(&self, t: f64) -> Option<f32> {
+        let t = t as f32;
+        // In this form, unlike `max` and `min`, a NaN end of the interval survives and rejects.
+        let first = if f32::MIN > self.t_min { f32::MIN } else { self.t_min };
+        let last = if f32::MAX < self.t_max { f32::MAX } else { self.t_max };
+        (t >= first && t <= last).then_some(t)
     }
 }
 
@@ -37,16 +57,93 @@ impl Ray {
 /// The ray enters a solid, or comes from the front of a surface, if `normal.dot(ray.direction)` is
 /// negative, and leaves it otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hit {
     /// Position along the ray, in units of `Ray::direction`, which need not have unit length.
     pub t: f32,
     /// The point itself, more accurate than `ray.at(t)`.
     pub position: Vec3,
-    /// Bound on the distance from `position` to the exact surface. See [`crate::leave_surface`].
+    /// Bound on the distance from `position` to the exact surface. [`Hit::spawn`] steps off by it.
     pub error: f32,
     /// Geometric normal: unit length, out of the solid, whichever side the ray came from. A patch,
     /// a triangle or a quad points where its parameters turn counter-clockwise.
     pub normal: Vec3,
-    /// What the primitive needs to name the point, at no cost to the intersection: ask its `uv`.
+    /// Numbers from which the primitive's `uv` computes the parameters of the point. Each primitive
+    /// stores what its intersection has at hand, so they are no parameters themselves.
     pub parameters: Vec2,
+}
+
+impl Hit {
+    /// Returns the ray from this point in `direction`, of any length, that does not meet the surface
+    /// it starts on again by rounding alone.
+    ///
+    /// The origin is [`leave_surface`] of this hit, on the side that `direction` points to: outside for
+    /// a reflection, inside for a refraction. The interval is `0.0..=f32::INFINITY`.
+    ///
+    /// ```
+    /// use rotund_geometry::{Ray, Sphere, glam::Vec3};
+    ///
+    /// let ball = Sphere { center: Vec3::ZERO, radius: 1.0 };
+    /// let ray = Ray::new(Vec3::new(0.6, 0.0, 5.0), Vec3::NEG_Z);
+    /// let hit = ball.closest(&ray).expect("the ray passes 0.6 from the center");
+    ///
+    /// let reflected = hit.spawn(ray.direction.reflect(hit.normal));
+    /// assert!(!ball.any(&reflected));
+    /// let exit = ball.closest(&hit.spawn(ray.direction)).expect("the far side");
+    /// assert!((exit.t - 1.6).abs() < 1e-6);
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        Ray::new(leave_surface(self.position, self.error, self.normal, direction), direction)
+    }
+
+    /// Returns the ray from this point towards `point`, at `t = 1`, for visibility tests: `any` is true
+    /// if a primitive lies in between.
+    ///
+    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, since the rounding of `t` could
+    /// otherwise report a surface on which `point` lies. That covers points at which the ray does not
+    /// graze; between two hits, step off both surfaces:
+    ///
+    /// ```
+    /// use rotund_geometry::{Ray, Sphere, glam::Vec3};
+    ///
+    /// let balls = [-2.0, 2.0].map(|x| Sphere { center: Vec3::new(x, 0.0, 0.0), radius: 1.0 });
+    /// let down = |x: f32| Ray::new(Vec3::new(x, 0.0, 5.0), Vec3::NEG_Z);
+    /// let a = balls[0].closest(&down(-1.5)).expect("above the first ball");
+    /// let b = balls[1].closest(&down(1.5)).expect("above the second ball");
+    ///
+    /// let end = b.spawn(a.position - b.position).origin;
+    /// let segment = a.spawn_to(end);
+    /// assert!(!balls.iter().any(|ball| ball.any(&segment)), "they see each other");
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn spawn_to(&self, point: Vec3) -> Ray {
+        let origin = leave_surface(self.position, self.error, self.normal, point - self.position);
+        Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, point - origin) }
+    }
+}
+
+/// The form of a `t_max` for serde: none, which JSON writes as `null`, for infinity.
+#[cfg(feature = "serde")]
+mod unbounded {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
+
+    pub(super) fn none() -> f32 {
+        f32::INFINITY
+    }
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+    pub(super) fn serialize<S: Serializer>(t_max: &f32, serializer: S) -> Result<S::Ok, S::Error> {
+        if t_max.is_nan() {
+            // JSON writes it as `null`, which would come back as infinity.
+            return Err(ser::Error::custom("t_max is NaN"));
+        }
+        (*t_max != f32::INFINITY).then_some(*t_max).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f32::INFINITY))
+    }
 }

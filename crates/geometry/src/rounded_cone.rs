@@ -40,7 +40,7 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::careful_cone::{self, Crossing};
-use crate::float::{CANCELLATION, accept, round, rounding_error};
+use crate::float::{CANCELLATION, round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::profile::Profile;
@@ -71,6 +71,7 @@ use crate::{Aabb, Hit, Ray, Sphere, widen};
 /// assert_eq!(tube.uv(&hit).x, 0.5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoundedCone {
     /// Centre of the first ball.
     pub p0: Vec3,
@@ -80,6 +81,13 @@ pub struct RoundedCone {
     pub p1: Vec3,
     /// Radius of the second ball.
     pub r1: f32,
+}
+
+/// The capsule of radius 1 about the segment from the origin to `(0, 1, 0)`.
+impl Default for RoundedCone {
+    fn default() -> Self {
+        Self { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::Y, r1: 1.0 }
+    }
 }
 
 /// A crossing before it is rounded: the ball it belongs to, and the point seen from its centre.
@@ -177,7 +185,7 @@ impl Solve for RoundedCone {
             t64 = near * over_a;
             from_ball = center + t64 * d;
         }
-        match accept(ray, t64) {
+        match ray.accept(t64) {
             Some(t) => Common::Root(Root { t, from_ball, s, normal: from_ball * radius.recip() }),
             None if t64 as f32 > ray.t_max => Common::Miss,
             None => Common::Unsure,

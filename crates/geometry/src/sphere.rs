@@ -21,7 +21,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::beside::{self, Start};
 use crate::double_double::{Double, Real};
-use crate::float::{CANCELLATION, accept, round, rounding_error};
+use crate::float::{CANCELLATION, round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::queries::{Common, Solve, queries};
@@ -48,11 +48,19 @@ use crate::{Aabb, Hit, Ray, widen};
 /// assert_eq!(ball.uv(&hit), Vec2::new(0.5, 0.5));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
     /// The centre.
     pub center: Vec3,
     /// The distance of the surface from the centre; positive.
     pub radius: f32,
+}
+
+/// The unit sphere about the origin.
+impl Default for Sphere {
+    fn default() -> Self {
+        Self { center: Vec3::ZERO, radius: 1.0 }
+    }
 }
 
 /// What `closest` knows before it rounds: the root, and the point relative to the centre.
@@ -105,7 +113,7 @@ impl Solve for Sphere {
         }
         let (near, far) = (near * over_a, far * over_a);
         let Some((t, t64)) =
-            accept(ray, near).map(|t| (t, near)).or_else(|| accept(ray, far).map(|t| (t, far)))
+            ray.accept(near).map(|t| (t, near)).or_else(|| ray.accept(far).map(|t| (t, far)))
         else {
             return Common::Miss;
         };
@@ -164,7 +172,7 @@ impl Sphere {
             return None;
         }
         let t64 = (discriminant.sqrt() - b) / a;
-        let Some(t) = accept(ray, t64) else { return Some(None) };
+        let Some(t) = ray.accept(t64) else { return Some(None) };
         let from_center = f + t64 * d;
         Some(Some(Root { t, from_center, normal: from_center / r }))
     }
@@ -197,7 +205,7 @@ impl Sphere {
         let [near, far] = roots;
         let roots = if far < near { [near, near] } else { roots };
         roots.into_iter().find_map(|exact_t| {
-            let t = accept(ray, exact_t.nearest())?;
+            let t = ray.accept(exact_t.nearest())?;
             let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
             let from_center = DVec3::from_array(x);
             let normal = from_center / f64::from(self.radius);

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::float::{round, rounding_error};
 use crate::pair::{Mask, Pair};
 use crate::queries::{Common, Solve, queries};
 use crate::ray_space::{Images, RaySpace};
@@ -10,6 +10,7 @@ use crate::{Aabb, Hit, Ray};
 
 /// The flat triangle of three points.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Triangle {
     /// The corner `u = 0, v = 0`.
     pub p0: Vec3,
@@ -17,6 +18,13 @@ pub struct Triangle {
     pub p1: Vec3,
     /// The corner `u = 0, v = 1`.
     pub p2: Vec3,
+}
+
+/// Half of the unit square in the plane `z = 0`: the point with parameters `(u, v)` is `(u, v, 0)`.
+impl Default for Triangle {
+    fn default() -> Self {
+        Self { p0: Vec3::ZERO, p1: Vec3::X, p2: Vec3::Y }
+    }
 }
 
 pub(crate) struct Root {
@@ -72,7 +80,7 @@ impl Solve for Triangle {
             return Common::Miss;
         }
         let (u, v) = (found.u.first(), found.v.first());
-        accept(ray, space.t(found.depth.first())).map(|t| Root { t, u, v }).into()
+        ray.accept(space.t(found.depth.first())).map(|t| Root { t, u, v }).into()
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::vanilla::{Line, Point, Quad};
-use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
+use rotund_geometry::{BilinearPatch, Primitive, Ray, RoundedCone, Sphere, Triangle};
 
 /// Numbers of a scene, and those that are no numbers of any scene.
 fn any_number() -> impl Strategy<Value = f32> {
@@ -35,42 +35,14 @@ fn sane_ray() -> impl Strategy<Value = Ray> {
         .prop_map(|(origin, direction)| Ray::new(5.0 * origin, direction - 2.0 * origin))
 }
 
-/// The calls that all shapes share.
-trait Shape: Copy + std::fmt::Debug {
-    fn closest(&self, ray: &Ray) -> Option<Hit>;
-    fn closest_t(&self, ray: &Ray) -> Option<f32>;
-    fn any(&self, ray: &Ray) -> bool;
-    fn bounds(&self) -> Aabb;
-    fn uv(&self, hit: &Hit) -> Vec2;
-    fn position(&self, uv: Vec2) -> Vec3;
-    fn normal(&self, uv: Vec2) -> Vec3;
+/// A shape and its copy that is scaled about the origin.
+trait Shape: Primitive + Copy + std::fmt::Debug {
     fn scaled(&self, by: f32) -> Self;
 }
 
 macro_rules! shape {
     ($type:ident, $self:ident, $by:ident => $scaled:expr) => {
         impl Shape for $type {
-            fn closest(&self, ray: &Ray) -> Option<Hit> {
-                self.closest(ray)
-            }
-            fn closest_t(&self, ray: &Ray) -> Option<f32> {
-                self.closest_t(ray)
-            }
-            fn any(&self, ray: &Ray) -> bool {
-                self.any(ray)
-            }
-            fn bounds(&self) -> Aabb {
-                self.bounds()
-            }
-            fn uv(&self, hit: &Hit) -> Vec2 {
-                self.uv(hit)
-            }
-            fn position(&self, uv: Vec2) -> Vec3 {
-                self.position(uv)
-            }
-            fn normal(&self, uv: Vec2) -> Vec3 {
-                self.normal(uv)
-            }
             fn scaled(&$self, $by: f32) -> Self {
                 $scaled
             }

@@ -1,9 +1,9 @@
-//! A ray that leaves a surface by `leave_surface` does not meet it again unless it truly does.
+//! A ray that leaves a surface by `Hit::spawn` does not meet it again unless it truly does.
 
 mod support;
 
 use rotund_geometry::glam::{DVec3, Vec2, Vec3};
-use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, leave_surface};
+use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, Triangle};
 use support::{Random, ray};
 
 /// A direction on the outer side of `normal`; every third one almost tangent.
@@ -19,10 +19,6 @@ fn outwards(random: &mut Random, normal: Vec3) -> Vec3 {
     // The normal is rounded, and so is the direction: nearer to the tangent plane, a ray truly enters.
     let d = d.as_vec3();
     if d.as_dvec3().dot(n) > 5e-7 { d } else { normal }
-}
-
-fn leave(hit: &Hit, direction: Vec3) -> Ray {
-    Ray::new(leave_surface(hit.position, hit.error, hit.normal, direction), direction)
 }
 
 /// Shapes of all scales, at all distances from the origin of the world.
@@ -49,10 +45,10 @@ fn a_ray_that_leaves_a_sphere_never_meets_it_again() {
         let Some(hit) = sphere.closest(&aimed(&mut random, target, scale)) else { continue };
         for _ in 0..4 {
             bounces += 1;
-            let out = leave(&hit, outwards(&mut random, hit.normal));
+            let out = hit.spawn(outwards(&mut random, hit.normal));
             assert_eq!(sphere.closest(&out), None, "{sphere:?} {hit:?} {out:?}");
             // Inwards, the next hit is the far side, not the surface that was just entered.
-            let into = leave(&hit, -outwards(&mut random, hit.normal));
+            let into = hit.spawn(-outwards(&mut random, hit.normal));
             let cosine = -hit.normal.as_dvec3().dot(into.direction.as_dvec3().normalize());
             let exit = sphere.closest(&into).expect("an exit");
             assert!(exit.normal.dot(into.direction) >= 0.0, "{sphere:?} {hit:?} {into:?}");
@@ -80,9 +76,9 @@ fn a_ray_that_leaves_a_cone_never_meets_it_again() {
         let Some(hit) = cone.closest(&aimed(&mut random, target, scale)) else { continue };
         for _ in 0..4 {
             bounces += 1;
-            let out = leave(&hit, outwards(&mut random, hit.normal));
+            let out = hit.spawn(outwards(&mut random, hit.normal));
             assert_eq!(cone.closest(&out), None, "{cone:?} {hit:?} {out:?}");
-            let into = leave(&hit, -outwards(&mut random, hit.normal));
+            let into = hit.spawn(-outwards(&mut random, hit.normal));
             let exit = cone.closest(&into).expect("an exit");
             assert!(exit.normal.dot(into.direction) >= 0.0, "{cone:?} {hit:?} {into:?}");
         }
@@ -104,7 +100,7 @@ fn a_ray_that_leaves_a_flat_patch_or_a_triangle_never_meets_it_again() {
         for _ in 0..4 {
             bounces += 1;
             for side in [1.0, -1.0] {
-                let out = leave(&hit, side * outwards(&mut random, hit.normal));
+                let out = hit.spawn(side * outwards(&mut random, hit.normal));
                 assert_eq!(triangle.closest(&out), None, "{triangle:?} {hit:?} {out:?}");
             }
         }
@@ -133,7 +129,7 @@ fn a_ray_that_leaves_a_patch_meets_it_again_only_where_it_bends_back() {
         for _ in 0..4 {
             for side in [1.0, -1.0] {
                 bounces += 1;
-                let out = leave(&hit, side * outwards(&mut random, hit.normal));
+                let out = hit.spawn(side * outwards(&mut random, hit.normal));
                 let Some(again) = patch.closest(&out) else { continue };
                 // The normals here turn by at most about 2 radians per edge: to climb back at the angle
                 // at which it left, a ray travels in proportion to that angle.
@@ -167,7 +163,7 @@ fn a_level_ray_that_leaves_a_screw_does_not_meet_the_ruling_that_it_is_parallel_
         bounces += 1;
         // From a little before the surface too, so that the hit that is left behind is looked for.
         for t_min in [0.0, -f32::MIN_POSITIVE] {
-            let out = Ray { t_min, ..leave(&hit, level) };
+            let out = Ray { t_min, ..hit.spawn(level) };
             assert_eq!(screw.closest(&out), None, "{hit:?} {out:?}");
         }
     }

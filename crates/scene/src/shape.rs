@@ -1,17 +1,7 @@
 //! Elements over vertices.
 
 use glam::{Vec2, Vec3, Vec4};
-
-/// How the elements of a shape are met by rays: data of the shape, not of the tree over it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Method {
-    /// The usual approximations: points as discs that face the ray, lines by their distance to the
-    /// ray, quads as two triangles.
-    Vanilla,
-    /// The exact shapes: points as spheres, lines as rounded cones, quads as bilinear patches.
-    #[default]
-    Enhanced,
-}
+use rotund_geometry::Method;
 
 /// The kinds of elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,7 @@
 //! What a render leaves behind: sums of samples, and the picture they make.
 
 use crate::Options;
+use rotund_image::Image;
 
 /// The sums of the samples of each pixel.
 ///
@@ -72,17 +73,6 @@ pub enum MergeError {
     Shards { index: u32, count: u32, times: usize },
     #[error("shard {} has {samples} samples, not {expected}: it is not finished", index + 1)]
     Unfinished { index: u32, samples: u32, expected: u32 },
-}
-
-/// Linear RGB and coverage, row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Red, green, blue and alpha.
-    pub pixels: Vec<[f32; 4]>,
 }
 
 /// The sum of the samples of one pixel.

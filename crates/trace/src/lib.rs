@@ -46,10 +46,11 @@ mod view;
 pub mod warp;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue};
-pub use film::{Film, Image, MergeError, Shard};
+pub use film::{Film, MergeError, Shard};
 pub use light::Lights;
 pub use mis::power_heuristic;
 pub use render::{Options, Progress, render, resume};
+pub use rotund_image::{self as image, Image};
 pub use rotund_scene as scene;
 pub use sampler::{Sampler, Sequence};
 pub use view::{Layers, View, layers};

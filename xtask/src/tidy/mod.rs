@@ -7,9 +7,9 @@
 //! - Every scene loads without a warning, is mentioned where people find it, and every file beside
 //!   the scenes belongs to one.
 
-use crate::console::say;
-use crate::workspace;
 use anyhow::{Context, Result, bail, ensure};
+use rotund::workspace;
+use rotund_report::console::say;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,8 +18,19 @@ mod places;
 mod scenes;
 
 /// The direction of dependencies.
-const LAYERS: [&str; 6] =
-    ["rotund-geometry", "rotund-bvh", "rotund-scene", "rotund-trace", "xtask", "rotund-tests"];
+const LAYERS: [&str; 11] = [
+    "rotund-geometry",
+    "rotund-bvh",
+    "rotund-image",
+    "rotund-scene",
+    "rotund-trace",
+    "rotund-report",
+    "rotund-golden",
+    "rotund",
+    "rotund-study",
+    "xtask",
+    "rotund-tests",
+];
 /// Who passes this has two concepts in one file.
 const MOST_LINES: usize = 500;
 /// A map of the code is to be read in one go.

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::float::{round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::queries::{Common, Solve, queries};
@@ -15,6 +15,7 @@ use crate::{Aabb, Hit, Ray, widen};
 /// round seen from the side and shrinks as the ray turns along the axis, and a ray from one segment of a
 /// chain does not meet the cap of the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Line {
     /// The first end.
     pub p0: Vec3,
@@ -24,6 +25,14 @@ pub struct Line {
     pub p1: Vec3,
     /// How near a ray must pass at the second end.
     pub r1: f32,
+}
+
+/// The segment from the origin to `(0, 1, 0)` with radius 1, as the default
+/// [`RoundedCone`](crate::RoundedCone).
+impl Default for Line {
+    fn default() -> Self {
+        Self { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::Y, r1: 1.0 }
+    }
 }
 
 pub(crate) struct Root {
@@ -66,7 +75,7 @@ impl Solve for Line {
         if !(distance2 <= r * r && r > 0.0 && determinant > 0.0) {
             return Common::Miss;
         }
-        let Some(t) = accept(ray, t) else { return Common::Miss };
+        let Some(t) = ray.accept(t) else { return Common::Miss };
         // A ray that has just left the segment comes closest near its start: see `Point`.
         let start = 4.0 * f64::from(rounding_error(self.p0.abs().max(self.p1.abs())));
         let (along, length2) = (-f.dot(e), e.dot(e));

@@ -2,17 +2,25 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::float::{round, rounding_error};
 use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// A point that a ray hits where it comes closest, if that is within `radius`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// The point.
     pub center: Vec3,
     /// How near a ray must pass; positive.
     pub radius: f32,
+}
+
+/// The origin with radius 1, as the default [`Sphere`](crate::Sphere).
+impl Default for Point {
+    fn default() -> Self {
+        Self { center: Vec3::ZERO, radius: 1.0 }
+    }
 }
 
 queries!(
@@ -42,7 +50,7 @@ impl Solve for Point {
         if f.dot(f) <= start * start {
             return Common::Miss;
         }
-        accept(ray, f.dot(d) / a).into()
+        ray.accept(f.dot(d) / a).into()
     }
 
     #[inline(always)]

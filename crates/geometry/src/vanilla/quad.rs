@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::float::{accept, round, rounding_error};
+use crate::float::{round, rounding_error};
 use crate::queries::{Common, Solve, queries};
 use crate::ray_space::RaySpace;
 use crate::triangle::Crossings;
@@ -10,6 +10,7 @@ use crate::{Aabb, Hit, Ray, Triangle};
 
 /// The triangles `p0 p1 p3` and `p2 p3 p1`, which share the diagonal `p1 p3`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quad {
     /// The corner `u = 0, v = 0`.
     pub p0: Vec3,
@@ -19,6 +20,13 @@ pub struct Quad {
     pub p2: Vec3,
     /// The corner `u = 0, v = 1`.
     pub p3: Vec3,
+}
+
+/// The unit square in the plane `z = 0`, as the default [`BilinearPatch`](crate::BilinearPatch).
+impl Default for Quad {
+    fn default() -> Self {
+        Self { p0: Vec3::ZERO, p1: Vec3::X, p2: Vec3::new(1.0, 1.0, 0.0), p3: Vec3::Y }
+    }
 }
 
 pub(crate) struct Root {
@@ -47,7 +55,7 @@ impl Solve for Quad {
         if exist == 0 || !self.is_finite() {
             return Common::Miss;
         }
-        let [first, second] = depth.to_array().map(|depth| accept(ray, space.t(depth)));
+        let [first, second] = depth.to_array().map(|depth| ray.accept(space.t(depth)));
         let (first, second) = (first.filter(|_| exist & 1 != 0), second.filter(|_| exist & 2 != 0));
         let (t, second) = match (first, second) {
             (Some(first), Some(second)) => (Some(first.min(second)), second < first),

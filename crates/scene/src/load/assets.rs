@@ -141,7 +141,7 @@ pub(super) fn shapes(
         };
         loaded.name = key.clone().unwrap_or_else(|| shape.name.clone());
         if let Some(method) = shape.method.or(file.method) {
-            loaded.method = method.into();
+            loaded.method = method;
         }
         Ok((loaded, warnings))
     };

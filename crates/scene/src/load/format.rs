@@ -11,7 +11,7 @@ pub(super) struct SceneFile {
     #[serde(deserialize_with = "object")]
     pub asset: AssetFile,
     /// How elements are met by rays, for shapes that do not say.
-    pub method: Option<MethodFile>,
+    pub method: Option<Method>,
     #[serde(deserialize_with = "items")]
     pub cameras: Collection<CameraFile>,
     #[serde(deserialize_with = "items")]
@@ -46,22 +46,6 @@ pub(super) struct AssetFile {
     _copyright: serde_json::Value,
     #[serde(rename = "generator")]
     _generator: serde_json::Value,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum MethodFile {
-    Vanilla,
-    Enhanced,
-}
-
-impl From<MethodFile> for Method {
-    fn from(method: MethodFile) -> Self {
-        match method {
-            MethodFile::Vanilla => Self::Vanilla,
-            MethodFile::Enhanced => Self::Enhanced,
-        }
-    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -191,7 +175,7 @@ pub(super) struct ShapeFile {
     /// In the folder `shapes`, in files of version 4.1.
     pub datafile: Option<String>,
     pub generator: Option<generate::Geometry>,
-    pub method: Option<MethodFile>,
+    pub method: Option<Method>,
 }
 
 impl From<String> for TextureFile {

@@ -1,11 +1,12 @@
 //! Pictures with all that is known of their pixels.
 
-use super::{ENCODING, OutputError, write_with};
-use crate::{Image, Layers};
+use super::{OutputError, write_with};
+use crate::Layers;
 use exr::prelude::{
     AnyChannel, AnyChannels, FlatSamples, Image as ExrImage, Layer, LayerAttributes, WritableImage,
 };
 use glam::Vec3;
+use rotund_image::{ENCODING, Image};
 use std::path::Path;
 
 /// Writes a picture and its layers into one EXR: `R G B A` are the picture, `albedo.R` to

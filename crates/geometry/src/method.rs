@@ -1,0 +1,74 @@
+//! The choice between the exact shapes and their usual approximations.
+
+use core::{error, fmt, str::FromStr};
+
+/// Selects how rays meet points, lines and quads. Triangles are the same with both.
+///
+/// | method | point | line | quad |
+/// | --- | --- | --- | --- |
+/// | `Vanilla` | [`vanilla::Point`](crate::vanilla::Point) | [`vanilla::Line`](crate::vanilla::Line) | [`vanilla::Quad`](crate::vanilla::Quad) |
+/// | `Enhanced` | [`Sphere`](crate::Sphere) | [`RoundedCone`](crate::RoundedCone) | [`BilinearPatch`](crate::BilinearPatch) |
+///
+/// The name of a method, in lower case, is also its form in scene files, on the command line and with
+/// the feature `serde`:
+///
+/// ```
+/// use rotund_geometry::Method;
+///
+/// assert_eq!("vanilla".parse(), Ok(Method::Vanilla));
+/// assert_eq!(Method::Enhanced.to_string(), "enhanced");
+/// let error = "embree".parse::<Method>().unwrap_err();
+/// assert_eq!(error.to_string(), "unknown method: expected \"vanilla\" or \"enhanced\"");
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum Method {
+    /// The usual approximations: discs and ribbons that face the ray, and pairs of triangles.
+    Vanilla,
+    /// The exact shapes: spheres, rounded cones and bilinear patches.
+    #[default]
+    Enhanced,
+}
+
+impl Method {
+    /// Both methods.
+    pub const ALL: [Self; 2] = [Self::Vanilla, Self::Enhanced];
+
+    /// Returns the name in lower case, which [`FromStr`] reads.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Vanilla => "vanilla",
+            Self::Enhanced => "enhanced",
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        Self::ALL.into_iter().find(|method| method.name() == name).ok_or(UnknownMethod)
+    }
+}
+
+/// Error of [`Method::from_str`]: the text is not the name of a method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct UnknownMethod;
+
+impl fmt::Display for UnknownMethod {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, second] = Method::ALL;
+        write!(formatter, "unknown method: expected \"{first}\" or \"{second}\"")
+    }
+}
+
+impl error::Error for UnknownMethod {}

@@ -1,0 +1,145 @@
+//! What a caller relies on besides the intersections: the trait, spawned rays, defaults, methods.
+
+use rotund_geometry::glam::{Vec2, Vec3};
+use rotund_geometry::vanilla::{Line, Point, Quad};
+use rotund_geometry::{
+    Aabb, BilinearPatch, Hit, Method, Primitive, Ray, RoundedCone, Sphere, Triangle, leave_surface,
+};
+
+const RAY: Ray = Ray::new(Vec3::new(0.3, 0.2, 5.0), Vec3::NEG_Z);
+
+/// Compares the methods of the trait with the inherent ones, which have the same names.
+macro_rules! assert_forwards {
+    ($($shape:ident),+) => {
+        $(
+            let shape = $shape::default();
+            let generic: &dyn Primitive = &&shape;
+            let hit = shape.closest(&RAY).expect(stringify!($shape));
+            let uv = shape.uv(&hit);
+            assert_eq!(generic.closest(&RAY), Some(hit));
+            assert_eq!(generic.closest_t(&RAY), Some(hit.t));
+            assert!(generic.any(&RAY));
+            assert_eq!(generic.bounds(), shape.bounds());
+            assert_eq!(generic.uv(&hit), uv);
+            assert_eq!(generic.position(uv), shape.position(uv));
+            assert_eq!(generic.normal(uv), shape.normal(uv));
+        )+
+    };
+}
+
+#[test]
+fn the_trait_gives_what_the_methods_of_each_shape_give() {
+    assert_forwards!(Sphere, RoundedCone, BilinearPatch, Triangle, Point, Line, Quad);
+}
+
+/// The plane `z = 0`, by the required methods alone.
+struct Ground;
+
+impl Primitive for Ground {
+    fn bounds(&self) -> Aabb {
+        Aabb { min: Vec3::NEG_INFINITY.with_z(0.0), max: Vec3::INFINITY.with_z(0.0) }
+    }
+
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let t = ray.accept(f64::from(-ray.origin.z) / f64::from(ray.direction.z))?;
+        let position = ray.at(t).with_z(0.0);
+        let parameters = position.truncate();
+        Some(Hit { t, position, error: 0.0, normal: Vec3::Z, parameters })
+    }
+
+    fn position(&self, uv: Vec2) -> Vec3 {
+        uv.extend(0.0)
+    }
+
+    fn normal(&self, _uv: Vec2) -> Vec3 {
+        Vec3::Z
+    }
+}
+
+#[test]
+fn a_shape_with_the_required_methods_alone_answers_all_queries() {
+    let hit = Ground.closest(&RAY).expect("straight down");
+    assert_eq!(Ground.closest_t(&RAY), Some(5.0));
+    assert!(Ground.any(&RAY));
+    assert!(!Ground.any(&Ray { t_max: 4.0, ..RAY }));
+    assert_eq!(Ground.closest_t(&Ray::new(Vec3::Z, Vec3::X)), None, "parallel");
+    assert_eq!(Ground.uv(&hit), Vec2::new(0.3, 0.2));
+}
+
+#[test]
+fn a_spawned_ray_starts_where_leave_surface_says() {
+    let hit = Sphere::default().closest(&RAY).expect("near the middle");
+    for direction in [Vec3::X, Vec3::NEG_Z, 100.0 * Vec3::Z, hit.normal, -hit.normal] {
+        let ray = hit.spawn(direction);
+        let origin = leave_surface(hit.position, hit.error, hit.normal, direction);
+        assert_eq!(ray, Ray::new(origin, direction));
+    }
+}
+
+#[test]
+fn a_ray_to_a_point_sees_what_is_between_and_not_the_ends() {
+    let ball = Sphere::default();
+    let hit = ball.closest(&RAY).expect("near the middle");
+    let table = [
+        ("up to a wall of which the point is part", Vec3::new(0.5, 0.5, 9.0), false),
+        ("through the ball", Vec3::new(0.1, 0.1, -9.0), true),
+        ("inside the ball", Vec3::new(0.0, 0.1, 0.0), false),
+    ];
+    for (why, point, blocked) in table {
+        let ray = hit.spawn_to(point);
+        assert!((ray.at(1.0) - point).length() < 1e-6, "{why}: {ray:?}");
+        let wall = Quad {
+            p0: point.with_x(-9.0).with_y(-9.0),
+            p1: point.with_x(9.0).with_y(-9.0),
+            p2: point.with_x(9.0).with_y(9.0),
+            p3: point.with_x(-9.0).with_y(9.0),
+        };
+        assert_eq!(ball.any(&ray), blocked, "{why}: {ray:?}");
+        assert!(!wall.any(&ray), "{why}: {ray:?}");
+        assert!(wall.any(&Ray { t_max: 1.0 + 1e-6, ..ray }), "{why}: {ray:?}");
+    }
+}
+
+#[test]
+fn a_rounded_root_counts_if_it_lies_in_the_closed_interval() {
+    let ray = Ray { t_min: 1.0, t_max: 2.0, ..RAY };
+    let (above, below) = (1.0 + 1e-12, 1.0 - 1e-12);
+    for t in [1.0, 2.0, above, below, 2.0 + 1e-12] {
+        assert_eq!(ray.accept(t), Some(t as f32), "{t}");
+    }
+    for t in [0.999, 2.001, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(ray.accept(t), None, "{t}");
+        assert_eq!(RAY.accept(-1.0 - t.abs()), None, "{t}");
+    }
+    assert_eq!(RAY.accept(1e300), None, "no finite f32");
+    assert_eq!(Ray { t_max: f32::NAN, ..RAY }.accept(1.0), None);
+    assert_eq!(Ray { t_min: f32::NAN, ..RAY }.accept(1.0), None);
+}
+
+#[test]
+fn defaults_are_unit_shapes_the_same_for_both_methods() {
+    let uv = Vec2::new(0.25, 0.5);
+    let flat = Vec3::new(0.25, 0.5, 0.0);
+    assert_eq!(BilinearPatch::default().position(uv), flat);
+    assert_eq!(Quad::default().position(uv), flat);
+    assert_eq!(Triangle::default().position(uv), flat);
+    assert_eq!(Quad::default().bounds(), BilinearPatch::default().bounds());
+    assert_eq!(Line::default().bounds(), RoundedCone::default().bounds());
+    assert_eq!(Point::default().bounds(), Sphere::default().bounds());
+    assert_eq!(Sphere::default().position(Vec2::ZERO), Vec3::Y);
+    assert_eq!(RoundedCone::default().position(Vec2::ZERO), Vec3::NEG_Y);
+    assert!(Aabb::default().is_empty());
+    assert_eq!(Method::default(), Method::Enhanced);
+}
+
+#[test]
+fn a_method_is_read_back_from_its_name() {
+    for method in Method::ALL {
+        assert_eq!(method.name().parse(), Ok(method));
+        assert_eq!(method.to_string(), method.name());
+    }
+    for wrong in ["", "Vanilla", " enhanced", "yocto"] {
+        assert!(wrong.parse::<Method>().is_err(), "{wrong:?}");
+    }
+    assert_eq!(format!("[{:>9}]", Method::Vanilla), "[  vanilla]");
+}

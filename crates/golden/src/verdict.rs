@@ -1,0 +1,253 @@
+//! Whether a picture is the one that was accepted.
+//!
+//! | check | what it asks | what only it finds |
+//! | --- | --- | --- |
+//! | `rejected` | is every sample a radiance | NaN that a film would count as black |
+//! | `pixel` | Student's t for each pixel and channel | a leak of one pixel |
+//! | `block` | the same for the mean of each 8 x 8 block | a wrong normal, a shifted texture |
+//! | `energy` | the same for the mean of the picture | one percent of the light |
+//! | `flip` | is the visible difference what noise alone would show | what is spread thin but seen |
+//!
+//! What can be known without noise is compared by [`crate::surface`]. The three tests by Student's t together fail by chance in one of a thousand runs, at most, over
+//! a whole set of pictures: see [`FALSE_ALARMS`](crate::significance::FALSE_ALARMS).
+
+use crate::moments::Moments;
+use crate::significance::{Comparison, compare, level, p_value};
+use anyhow::Result;
+use rotund_image::Difference;
+use rotund_trace::{Sampler, Sequence};
+use std::f32::consts::TAU;
+use std::fmt;
+
+/// Side of a block in pixels.
+pub const BLOCK: usize = 8;
+
+/// FLIP may be this many times what noise alone gives. Noise scatters by a few percent only, for it
+/// is a mean over thousands of pixels; the rest is for its shape, which is not quite normal.
+const FLIP_FACTOR: f64 = 1.5;
+/// FLIP that nobody sees, allowed even without noise.
+const FLIP_MARGIN: f64 = 0.002;
+/// No picture may be as noisy as to hide a difference that people see: more than this fails whatever
+/// the noise.
+pub const FLIP_CEILING: f64 = 0.06;
+
+/// The tests, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Check {
+    Rejected,
+    Pixel,
+    Block,
+    Energy,
+    Flip,
+    Coverage,
+    Crossings,
+    Shadow,
+    Depth,
+    Normal,
+    Texcoord,
+    Color,
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Rejected => "rejected",
+            Self::Pixel => "pixel",
+            Self::Block => "block",
+            Self::Energy => "energy",
+            Self::Flip => "flip",
+            Self::Coverage => "coverage",
+            Self::Crossings => "crossings",
+            Self::Shadow => "shadow",
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::Texcoord => "texcoord",
+            Self::Color => "colour",
+        })
+    }
+}
+
+/// A check that failed.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// Which.
+    pub check: Check,
+    /// What was found, for people.
+    pub text: String,
+}
+
+/// What all checks say about one picture.
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// Empty if the picture is the one expected.
+    pub findings: Vec<Finding>,
+    /// The relative difference of the means of the pictures, in the channel that is surest.
+    pub energy: f64,
+    /// How many standard errors that is.
+    pub energy_t: f64,
+    /// The smallest p-value of all tests, times how many tests there are of its kind: what is below
+    /// a third of the false alarm rate fails.
+    pub smallest_p: f64,
+    /// The mean FLIP error.
+    pub flip: f64,
+    /// The largest that passes.
+    pub flip_limit: f64,
+    /// Maps of where.
+    pub difference: Difference,
+}
+
+/// Holds `actual` against `reference`, as one of `pictures` pictures of a run. They must have the
+/// same size.
+pub fn judge(actual: &Moments, reference: &Moments, pictures: usize) -> Result<Verdict> {
+    let difference = Difference::between(&actual.picture(), &reference.picture())?;
+    let flip = difference.metrics.flip_mean;
+    let flip_limit = flip_of_noise(actual, reference)?.min(FLIP_CEILING);
+    let mut findings = Vec::new();
+    if actual.rejected > 0 {
+        let text = format!("{} samples were negative, infinite or not a number", actual.rejected);
+        findings.push(Finding { check: Check::Rejected, text });
+    }
+
+    let (width, height) = (actual.width, actual.height);
+    let mut smallest_p: f64 = 1.0;
+    let regions = [
+        (Check::Pixel, pixels(width, height)),
+        (Check::Block, blocks(width, height)),
+        (Check::Energy, vec![Region { x: 0, y: 0, width, height }]),
+    ];
+    for (check, regions) in regions {
+        let tests = 3 * regions.len() * pictures;
+        let mut failed = Vec::new();
+        for region in &regions {
+            for channel in 0..3 {
+                let found = compare(actual, reference, region.indices(width), channel);
+                // Nothing this close is ever significant, and there are many pixels.
+                if found.t < 3.0 {
+                    continue;
+                }
+                let p = p_value(found.t, found.freedom);
+                smallest_p = smallest_p.min(p * tests as f64);
+                if p < level(tests) {
+                    failed.push((p, *region, channel, found));
+                }
+            }
+        }
+        findings.extend(describe(check, failed));
+    }
+    if flip > flip_limit {
+        let text = format!("mean FLIP error {flip:.4}, at most {flip_limit:.4} allowed");
+        findings.push(Finding { check: Check::Flip, text });
+    }
+    let energy = surest_energy(actual, reference);
+    Ok(Verdict {
+        findings,
+        energy: energy.difference / energy.expected,
+        energy_t: energy.t,
+        smallest_p,
+        flip,
+        flip_limit,
+        difference,
+    })
+}
+
+/// Compares whole pictures in the channel whose relative error is the smallest.
+pub fn surest_energy(actual: &Moments, reference: &Moments) -> Comparison {
+    (0..3)
+        .map(|channel| compare(actual, reference, 0..actual.mean.len(), channel))
+        .min_by(|a, b| (a.error / a.expected).total_cmp(&(b.error / b.expected)))
+        .expect("a picture has three channels")
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug)]
+struct Region {
+    x: usize,
+    y: usize,
+    width: usize,
+    height: usize,
+}
+
+impl Region {
+    fn indices(self, stride: usize) -> impl Iterator<Item = usize> {
+        (self.y..self.y + self.height)
+            .flat_map(move |y| (self.x..self.x + self.width).map(move |x| y * stride + x))
+    }
+}
+
+impl fmt::Display for Region {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "({}, {})", self.x, self.y)
+    }
+}
+
+fn pixels(width: usize, height: usize) -> Vec<Region> {
+    let pixel = |i| Region { x: i % width, y: i / width, width: 1, height: 1 };
+    (0..width * height).map(pixel).collect()
+}
+
+fn blocks(width: usize, height: usize) -> Vec<Region> {
+    let mut blocks = Vec::new();
+    for y in (0..height).step_by(BLOCK) {
+        for x in (0..width).step_by(BLOCK) {
+            blocks.push(Region {
+                x,
+                y,
+                width: BLOCK.min(width - x),
+                height: BLOCK.min(height - y),
+            });
+        }
+    }
+    blocks
+}
+
+/// One finding that tells how many regions failed and shows the worst.
+fn describe(check: Check, failed: Vec<(f64, Region, usize, Comparison)>) -> Option<Finding> {
+    let worst = failed.iter().min_by(|a, b| a.0.total_cmp(&b.0).then(b.3.t.total_cmp(&a.3.t)))?;
+    let &(p, region, channel, Comparison { expected, difference, t, .. }) = worst;
+    let channel = ["red", "green", "blue"][channel];
+    let place = match check {
+        Check::Pixel => format!("pixel {region}"),
+        Check::Block => format!("the block at {region}"),
+        _ => "the whole picture".to_owned(),
+    };
+    let values = format!("{:.4} instead of {expected:.4}", expected + difference);
+    let sureness = if t.is_finite() {
+        // Smaller numbers mean nothing: the model of the noise is not that good.
+        format!("{t:.1} standard errors, p = {:.0e}", p.max(1e-30))
+    } else {
+        "without any noise".to_owned()
+    };
+    let others = match failed.len() {
+        1 => String::new(),
+        count => format!("; {count} such tests failed"),
+    };
+    let percent = 100.0 * difference / expected;
+    let percent = if percent.is_finite() { format!(" ({percent:+.1} %)") } else { String::new() };
+    let text = format!("{place}: {channel} is {values}{percent}, {sureness}{others}");
+    Some(Finding { check, text })
+}
+
+/// The mean FLIP error that noise alone would give, and then some.
+///
+/// It is measured: the reference against itself with noise of the size that both pictures have.
+pub fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64> {
+    let clean = reference.picture();
+    let mut noisy = clean.clone();
+    for (i, pixel) in noisy.pixels.iter_mut().enumerate() {
+        let normal = normal(i as u32);
+        for channel in 0..3 {
+            let error = compare(actual, reference, [i].into_iter(), channel).error;
+            // One number for three channels: noise is in the light more than in its colour.
+            pixel[channel] = (pixel[channel] + normal * error as f32).max(0.0);
+        }
+    }
+    let noise = Difference::between(&noisy, &clean)?.metrics.flip_mean;
+    Ok(FLIP_FACTOR * noise + FLIP_MARGIN)
+}
+
+/// A standard normal number, another for each index (G. Box, M. Muller, "A note on the generation of
+/// random normal deviates", 1958).
+fn normal(index: u32) -> f32 {
+    let [u, v, ..] = Sampler::new(Sequence::Independent, 0, index, 0, 0).set(0);
+    (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
+}

@@ -1,0 +1,107 @@
+//! `index.html`: several comparisons on one page, with links to the page of each.
+
+use super::{STYLE, Timing, embed, escape, fill};
+use anyhow::Result;
+use rotund_image::Difference;
+use rotund_image::Picture;
+
+const PAGE: &str = include_str!("index.html");
+
+/// What the page says of one scene, whose report lies in a folder of its name.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub scene: String,
+    card: String,
+    row: String,
+}
+
+impl Entry {
+    /// # Errors
+    ///
+    /// Only if an image cannot be encoded.
+    pub fn new(
+        scene: &str,
+        settings: &str,
+        [vanilla, enhanced]: &[Picture; 2],
+        difference: &Difference,
+        timings: &[Timing],
+    ) -> Result<Self> {
+        let name = escape(scene);
+        let link = format!("{}/report.html", percent_encoded(scene));
+        let m = &difference.metrics;
+        let card = format!(
+            "<article><a href=\"{link}\"><div class=\"pair\">\
+             <img src=\"{}\" alt=\"{name}, vanilla\"><img src=\"{}\" alt=\"{name}, enhanced\"></div>\
+             <h2>{name}</h2></a>\n<p class=\"settings\">{}</p>\n\
+             <p>FLIP {:.4}, {:.1} % of the pixels changed, {:+.2} % light</p></article>\n",
+            embed::thumbnail(vanilla)?,
+            embed::thumbnail(enhanced)?,
+            escape(settings),
+            m.flip_mean,
+            100.0 * m.changed_fraction,
+            100.0 * (m.luminance_ratio - 1.0)
+        );
+        let mut row = format!("<tr><th scope=\"row\"><a href=\"{link}\">{name}</a></th>");
+        for value in [m.flip_mean, m.mean_abs, m.rel_mse, m.changed_fraction, m.luminance_ratio] {
+            row += &format!("<td>{value:.4}</td>");
+        }
+        for &Timing { vanilla, enhanced, digits, .. } in timings.iter().take(4) {
+            row += &format!("<td>{vanilla:.digits$}</td><td>{enhanced:.digits$}</td>");
+        }
+        Ok(Self { scene: scene.to_owned(), card, row: row + "</tr>\n" })
+    }
+}
+
+/// The text of the page.
+///
+/// # Errors
+///
+/// Only if an image cannot be encoded.
+pub fn page(entries: &[Entry]) -> Result<String> {
+    let join = |part: fn(&Entry) -> &str| entries.iter().map(part).collect::<String>();
+    let count = entries.len().to_string();
+    Ok(fill(
+        PAGE,
+        &[
+            ("style", STYLE.trim_end()),
+            ("count", &count),
+            ("cards", &join(|entry| &entry.card)),
+            ("rows", &join(|entry| &entry.row)),
+        ],
+    ))
+}
+
+/// A name as a part of a URL.
+fn percent_encoded(name: &str) -> String {
+    let encode = |byte: u8| {
+        if byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte) {
+            char::from(byte).to_string()
+        } else {
+            format!("%{byte:02X}")
+        }
+    };
+    name.bytes().map(encode).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn the_page_links_to_each_report_and_asks_for_nothing_else() {
+        let picture = |value| Picture { width: 8, height: 4, pixels: vec![Vec3::splat(value); 32] };
+        let pictures = [picture(0.2), picture(0.4)];
+        let difference = Difference::between(&pictures[1], &pictures[0]).unwrap();
+        let timing = Timing { label: "render, s", vanilla: 1.0, enhanced: 2.0, digits: 2 };
+        let entry = |scene: &str| {
+            Entry::new(scene, "64 samples", &pictures, &difference, std::slice::from_ref(&timing))
+                .unwrap()
+        };
+        let html = page(&[entry("shapes4"), entry("a & b")]).unwrap();
+        assert!(html.contains("href=\"shapes4/report.html\""));
+        assert!(html.contains("href=\"a%20%26%20b/report.html\"") && html.contains("a &amp; b"));
+        assert_eq!(html.matches("src=\"data:image/").count(), html.matches("<img ").count());
+        assert!(!html.contains("http:") && !html.contains("https:") && !html.contains("{{"));
+    }
+}

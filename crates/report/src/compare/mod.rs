@@ -1,0 +1,298 @@
+//! `report.html`: two pictures and their difference on one page that needs nothing else.
+
+use anyhow::Result;
+use crops::Crop;
+use rotund_image::Picture;
+use rotund_image::{Difference, maps, metrics::Metrics};
+use std::fmt::Write as _;
+
+mod crops;
+mod embed;
+mod histogram;
+pub mod index;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// Size of a crop in pixels; it is shown four times as large.
+const CROP: (usize, usize) = (44, 33);
+const CROP_COUNT: usize = 6;
+
+/// What a page shows.
+#[derive(Debug)]
+pub struct Report<'a> {
+    /// The heading.
+    pub scene: &'a str,
+    /// Camera, size and so on, in words.
+    pub settings: &'a str,
+    /// The picture on the left of the slider.
+    pub vanilla: &'a Picture,
+    /// The picture on the right.
+    pub enhanced: &'a Picture,
+    /// `enhanced` against `vanilla`.
+    pub difference: &'a Difference,
+    /// Rows of numbers about the two renders.
+    pub timings: &'a [Timing],
+    /// What becomes of the comparison if both take equal time instead of equal samples.
+    pub equal_time: Option<EqualTime<'a>>,
+}
+
+/// A picture of the faster method that took as long as the other one.
+#[derive(Clone, Copy, Debug)]
+pub struct EqualTime<'a> {
+    /// The name of the faster method.
+    pub faster: &'static str,
+    /// What it makes of the time.
+    pub picture: &'a Picture,
+    /// Of the slower method and of the faster one.
+    pub samples: [u32; 2],
+    /// Of the slower method and of the faster one.
+    pub seconds: [f64; 2],
+    /// Enhanced against vanilla at equal time.
+    pub metrics: Metrics,
+}
+
+/// One number about each of the two renders.
+#[derive(Clone, Debug)]
+pub struct Timing {
+    pub label: &'static str,
+    pub vanilla: f64,
+    pub enhanced: f64,
+    /// Digits after the decimal point.
+    pub digits: usize,
+}
+
+/// The text of the page.
+///
+/// # Errors
+///
+/// Only if an image cannot be encoded.
+pub fn page(report: &Report<'_>) -> Result<String> {
+    let Report { vanilla, enhanced, difference, .. } = report;
+    let [vanilla, enhanced] = [vanilla, enhanced].map(|picture| embed::shown(picture));
+    let worst = crops::worst(&difference.flip, CROP.0, CROP.1, CROP_COUNT);
+    let range = maps::signed_range(&difference.signed);
+    let signed = maps::signed(&difference.signed, range);
+    let flip = maps::flip(&difference.flip);
+
+    let crops = if worst.is_empty() {
+        "<p>Nowhere: the pictures look the same.</p>".to_owned()
+    } else {
+        let mut html = String::from("<div class=\"crops\">\n");
+        for (index, crop) in worst.iter().enumerate() {
+            let images = [("vanilla", &vanilla), ("enhanced", &enhanced), ("FLIP", &flip)];
+            html += &crop_figure(index + 1, crop, images)?;
+        }
+        html + "</div>"
+    };
+    let signed_title =
+        "Luminance of enhanced minus vanilla: red where enhanced is lighter, blue where darker.";
+    let flip_title = "FLIP: how visible the difference is to someone who flips between the two.";
+    let ticks = [format!("\u{2212}{range}"), "0".to_owned(), format!("+{range}")];
+    let maps = map_figure(signed_title, &embed::photo(&signed)?, &ticks, maps::diverging, "")
+        + &map_figure(
+            flip_title,
+            &embed::photo(&flip)?,
+            &["0", "0.5", "1"].map(str::to_owned),
+            maps::sequential,
+            &marks(&worst, flip.width(), flip.height()),
+        );
+    Ok(fill(
+        PAGE,
+        &[
+            ("scene", &escape(report.scene)),
+            ("settings", &escape(report.settings)),
+            ("style", STYLE.trim_end()),
+            ("script", SCRIPT.trim_end()),
+            ("width", &vanilla.width().to_string()),
+            ("height", &vanilla.height().to_string()),
+            ("pictures", &pictures(&vanilla, &enhanced, report.equal_time.as_ref())?),
+            ("choice", &report.equal_time.as_ref().map(choice).unwrap_or_default()),
+            ("lightness", &histogram::of_lightness(report.vanilla, report.enhanced)),
+            ("visibility", &histogram::of_flip(&difference.flip)),
+            ("crops", &crops),
+            ("metrics", &metrics_table(difference, report.equal_time.as_ref())),
+            ("timings", &timings_table(report.timings)),
+            ("maps", &maps),
+        ],
+    ))
+}
+
+/// Replaces each `{{name}}` of `template` once, from left to right, so that text that is filled in
+/// is never read as a template.
+///
+/// # Panics
+///
+/// If the template names a value that is not there: template and code are one program.
+fn fill(template: &str, values: &[(&str, &str)]) -> String {
+    let mut parts = template.split("{{");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").expect("each {{ has its }}");
+        let value = values.iter().find(|(key, _)| *key == name);
+        text += value.unwrap_or_else(|| panic!("no value for {{{{{name}}}}}")).1;
+        text += rest;
+    }
+    text
+}
+
+/// Text as HTML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The pictures that lie over each other in the slider.
+fn pictures(
+    vanilla: &image::RgbImage,
+    enhanced: &image::RgbImage,
+    equal_time: Option<&EqualTime<'_>>,
+) -> Result<String> {
+    let mut html = String::new();
+    for (name, image, meaning) in [
+        ("vanilla", vanilla, "points as discs, lines by distance, quads as two triangles"),
+        (
+            "enhanced",
+            enhanced,
+            "points as spheres, lines as rounded cones, quads as bilinear patches",
+        ),
+    ] {
+        let uri = embed::photo(image)?;
+        writeln!(
+            html,
+            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">"
+        )?;
+        if let Some(longer) = equal_time.filter(|longer| longer.faster == name) {
+            let uri = embed::photo(&embed::shown(longer.picture))?;
+            let samples = longer.samples[1];
+            writeln!(
+                html,
+                "<img class=\"{name} longer\" src=\"{uri}\" alt=\"The {name} picture with {samples} samples\">"
+            )?;
+        }
+    }
+    Ok(html)
+}
+
+/// Switches between equal samples and equal time.
+fn choice(equal_time: &EqualTime<'_>) -> String {
+    let EqualTime { faster, samples: [fewer, more], seconds: [slow, fast], .. } = equal_time;
+    let slower = if *faster == "vanilla" { "enhanced" } else { "vanilla" };
+    format!(
+        "<fieldset class=\"choice\"><legend>The two pictures have</legend>\n\
+         <label><input type=\"radio\" name=\"equal\" checked> equal samples: {fewer}</label>\n\
+         <label><input type=\"radio\" name=\"equal\" id=\"equal-time\"> equal time: {slower} {fewer} \
+         samples in {slow:.1} s, {faster} {more} in {fast:.1} s</label>\n</fieldset>"
+    )
+}
+
+fn crop_figure(
+    number: usize,
+    crop: &Crop,
+    images: [(&str, &image::RgbImage); 3],
+) -> Result<String> {
+    let (x, y) = (crop.x, crop.y);
+    let mut html = format!(
+        "<div><h3>{number}. at x = {x}, y = {y}; mean FLIP {:.3}</h3>\n\
+         <div class=\"row\">\n",
+        crop.error
+    );
+    let (width, height) = (4 * crop.width, 4 * crop.height);
+    for (name, image) in images {
+        let uri = embed::exact(image, crop)?;
+        let alt = format!("{name}, {} by {} pixels at {x}, {y}", crop.width, crop.height);
+        writeln!(
+            html,
+            "<figure><img src=\"{uri}\" alt=\"{alt}\" width=\"{width}\" height=\"{height}\"><figcaption>{name}</figcaption></figure>"
+        )?;
+    }
+    Ok(html + "</div></div>\n")
+}
+
+fn map_figure(
+    title: &str,
+    uri: &str,
+    ticks: &[String; 3],
+    color: fn(f64) -> [u8; 3],
+    marks: &str,
+) -> String {
+    let stops: Vec<String> = (0..=16)
+        .map(|i| {
+            let [r, g, b] = color(f64::from(i) / 16.0);
+            format!("rgb({r} {g} {b})")
+        })
+        .collect();
+    let [low, middle, high] = ticks;
+    format!(
+        "<figure><div class=\"map\"><img src=\"{uri}\" alt=\"{title}\">{marks}</div>\n\
+         <div class=\"scale\" style=\"background: linear-gradient(to right, {})\"></div>\n\
+         <div class=\"ticks\"><span>{low}</span><span>{middle}</span><span>{high}</span></div>\n\
+         <figcaption>{title}</figcaption></figure>\n",
+        stops.join(", ")
+    )
+}
+
+/// Numbered frames where the crops are.
+fn marks(crops: &[Crop], width: u32, height: u32) -> String {
+    let percent = |part: usize, whole: u32| 100.0 * part as f64 / f64::from(whole);
+    let mark = |(index, crop): (usize, &Crop)| {
+        format!(
+            "<span class=\"mark\" style=\"left: {:.2}%; top: {:.2}%; width: {:.2}%; height: {:.2}%\">{}</span>",
+            percent(crop.x, width),
+            percent(crop.y, height),
+            percent(crop.width, width),
+            percent(crop.height, height),
+            index + 1
+        )
+    };
+    crops.iter().enumerate().map(mark).collect()
+}
+
+fn metrics_table(difference: &Difference, equal_time: Option<&EqualTime<'_>>) -> String {
+    type Row = (&'static str, &'static str, fn(&Metrics) -> f64);
+    let rows: [Row; 9] = [
+        ("mean luminance, enhanced", "", |m| m.mean_luminance_a),
+        ("mean luminance, vanilla", "", |m| m.mean_luminance_b),
+        ("luminance ratio", "enhanced over vanilla", |m| m.luminance_ratio),
+        ("mean_abs", "mean of |e \u{2212} v| in linear RGB", |m| m.mean_abs),
+        ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", |m| m.rmse),
+        ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", |m| m.rel_mse),
+        ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", |m| m.rel_mse_trimmed),
+        ("flip_mean", "0: same for the eye, 1: as different as can be", |m| m.flip_mean),
+        ("changed_fraction", "pixels that differ by more than two steps of 8-bit sRGB", |m| {
+            m.changed_fraction
+        }),
+    ];
+    let mut html = String::from("<table><caption>Difference</caption>\n");
+    if equal_time.is_some() {
+        html += "<thead><tr><th></th><th scope=\"col\">equal samples</th>\
+                 <th scope=\"col\">equal time</th></tr></thead>";
+    }
+    html += "<tbody>\n";
+    for (name, meaning, value) in rows {
+        html += &format!("<tr><th scope=\"row\">{name}<small>{meaning}</small></th>");
+        html += &format!("<td>{:.6}</td>", value(&difference.metrics));
+        if let Some(longer) = equal_time {
+            html += &format!("<td>{:.6}</td>", value(&longer.metrics));
+        }
+        html += "</tr>\n";
+    }
+    html + "</tbody></table>"
+}
+
+fn timings_table(timings: &[Timing]) -> String {
+    let mut html = String::from(
+        "<table><caption>Time</caption>\n<thead><tr><th></th><th scope=\"col\">vanilla</th>\
+         <th scope=\"col\">enhanced</th><th scope=\"col\">ratio</th></tr></thead><tbody>\n",
+    );
+    for Timing { label, vanilla, enhanced, digits } in timings {
+        let ratio =
+            if *vanilla > 0.0 { format!("{:.2}", enhanced / vanilla) } else { String::new() };
+        html += &format!("<tr><th scope=\"row\">{label}</th><td>{vanilla:.digits$}</td>");
+        html += &format!("<td>{enhanced:.digits$}</td><td>{ratio}</td></tr>\n");
+    }
+    html + "</tbody></table>"
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,55 @@
+//! What a page must hold.
+
+use super::{EqualTime, Report, Timing, escape, fill, page};
+use glam::Vec3;
+use rotund_image::Difference;
+use rotund_image::Picture;
+
+fn example(scene: &str) -> String {
+    let picture = |bright: f32| Picture {
+        width: 200,
+        height: 100,
+        pixels: (0..200 * 100)
+            .map(|i| Vec3::splat(if (50..70).contains(&(i % 200)) { bright } else { 0.2 }))
+            .collect(),
+    };
+    let (vanilla, enhanced) = (picture(0.2), picture(0.9));
+    page(&Report {
+        scene,
+        settings: "camera front, 200 x 100",
+        vanilla: &vanilla,
+        enhanced: &enhanced,
+        difference: &Difference::between(&enhanced, &vanilla).unwrap(),
+        equal_time: Some(EqualTime {
+            faster: "vanilla",
+            picture: &vanilla,
+            samples: [64, 96],
+            seconds: [3.0, 3.01],
+            metrics: Difference::between(&enhanced, &vanilla).unwrap().metrics,
+        }),
+        timings: &[Timing { label: "render, s", vanilla: 2.0, enhanced: 3.0, digits: 2 }],
+    })
+    .unwrap()
+}
+
+#[test]
+fn a_page_holds_all_it_shows_and_asks_for_nothing_else() {
+    let html = example("shapes4");
+    assert!(html.starts_with("<!doctype html>") && html.trim_end().ends_with("</html>"));
+    for wrong in ["http:", "https:", "src=\"/", "@import", "url(", "<link", "{{"] {
+        assert!(!html.contains(wrong), "{wrong}");
+    }
+    let images = html.matches("<img ").count();
+    assert_eq!(html.matches("src=\"data:image/").count(), images);
+    assert!(images >= 3 + 3 + 2, "{images} images");
+    assert!(html.contains("enhanced 64 samples in 3.0 s, vanilla 96 in 3.0 s"));
+    assert_eq!(html.matches("<svg ").count(), 2);
+    assert!(html.contains("<td>2.00</td><td>3.00</td><td>1.50</td>"));
+}
+
+#[test]
+fn text_cannot_break_out_of_a_page() {
+    assert_eq!(escape("<a href=\"&\">"), "&lt;a href=&quot;&amp;&quot;&gt;");
+    assert!(example("<script>{{style}}").contains("<h1>&lt;script&gt;{{style}}</h1>"));
+    assert_eq!(fill("{{a}}-{{b}}", &[("a", "{{b}}"), ("b", "x")]), "{{b}}-x");
+}

@@ -1,0 +1,97 @@
+//! `compare <scenes>`: the same picture by both methods, and what changed.
+//!
+//! Renders a scene vanilla and enhanced with equal seeds; then lets the faster of the two go on until it
+//! has taken as long as the other, for a picture at equal time. Writes into one folder for each scene:
+//! `vanilla` and `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
+//! `report.html`. Several scenes get a page `index.html` above their folders.
+
+use crate::output::{prepare_folder, write_text};
+use crate::scene_source::bundled;
+use crate::shot::PictureArgs;
+use anyhow::{Result, bail};
+use comparison::Comparison;
+use rotund_report::compare::index::{self, Entry};
+use rotund_report::console::say;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+mod comparison;
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask compare shapes4
+  cargo xtask compare shapes4 --camera front --samples 256 --resolution 2160 --bounces 8
+  cargo xtask compare path/to/scene.json --kinds lines --out out/only-lines
+  cargo xtask compare --all --samples 16";
+
+/// Options of `compare`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Names of scenes in `scenes/`, or paths of JSON, PLY or OBJ files.
+    #[arg(value_name = "SCENE", required_unless_present = "all")]
+    scenes: Vec<String>,
+    /// Compare all scenes that come with the workspace.
+    #[arg(long, conflicts_with = "scenes")]
+    all: bool,
+    /// The folder to write to; `out/` and the name of the scene if not given. Of several scenes each
+    /// gets its own in it.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Do not let the faster method go on until both have taken equal time.
+    #[arg(long)]
+    no_equal_time: bool,
+    /// Print the content of `metrics.json` instead of a table; a list if there are several scenes.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    picture: PictureArgs,
+}
+
+pub(crate) fn run(args: Args) -> Result<()> {
+    let names = if args.all { bundled()? } else { args.scenes.clone() };
+    if let [name] = &names[..] {
+        let (metrics, page, _) = one(&args, name, args.out.clone())?;
+        return if args.json {
+            say(serde_json::to_string_pretty(&metrics)?)
+        } else {
+            say(format!("\nopen {}", page.display()))
+        };
+    }
+    let folder = args.out.clone().unwrap_or_else(|| PathBuf::from("out"));
+    let (mut all, mut entries) = (Vec::new(), Vec::<Entry>::new());
+    for name in &names {
+        // The folder of a scene is named after it.
+        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if entries.iter().any(|entry| entry.scene == stem) {
+            bail!("two scenes are called {stem:?}: compare them one by one, with --out");
+        }
+        let (metrics, _, entry) = one(&args, name, Some(folder.join(&stem)))?;
+        all.push(metrics);
+        entries.push(entry);
+    }
+    let page = folder.join("index.html");
+    write_text(&page, &index::page(&entries)?)?;
+    if args.json {
+        say(serde_json::to_string_pretty(&Value::Array(all))?)
+    } else {
+        say(format!("\nopen {}", page.display()))
+    }
+}
+
+/// Compares one scene and prints its table; returns its metrics, its page and its place in the index.
+fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathBuf, Entry)> {
+    let (mut scene, camera, options) = args.picture.load(name)?;
+    let folder = folder.unwrap_or_else(|| Path::new("out").join(&scene.name));
+    prepare_folder(&folder)?;
+    let kinds = args.picture.kinds.kinds();
+    let equal_time = !args.no_equal_time;
+    let comparison = args.picture.shot.with_threads(|| {
+        Comparison::render(&mut scene, camera, &options, &kinds, equal_time, &folder)
+    })??;
+    comparison.write(&folder)?;
+    if !args.json {
+        say(comparison.table().to_string())?;
+    }
+    Ok((comparison.metrics(), folder.join("report.html"), comparison.entry()?))
+}

@@ -1,0 +1,54 @@
+//! `merge CHECKPOINT... --out FILE`: one picture of the shards of a render.
+
+use crate::checkpoint::describe;
+use crate::output::check_image_file;
+use crate::shot::odd_samples;
+use anyhow::{Result, anyhow};
+use rotund_report::console::say;
+use rotund_trace::{Film, MergeError, output};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  for i in 1 2 3 4; do
+    cargo xtask render shapes4 --shard $i/4 --checkpoint shard-$i.film --resume
+  done
+  cargo xtask merge shard-*.film --out shapes4.exr";
+
+/// Options of `merge`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// The checkpoints of all shards, finished, in any order.
+    #[arg(required = true, value_name = "CHECKPOINT")]
+    films: Vec<PathBuf>,
+    /// The image to write: png (sRGB), exr or hdr (linear).
+    #[arg(long, value_name = "FILE.{png,exr,hdr}")]
+    out: PathBuf,
+}
+
+pub(crate) fn run(args: Args) -> Result<()> {
+    check_image_file(&args.out)?;
+    let films: Vec<Film> = args.films.iter().map(output::load_film).collect::<Result<_, _>>()?;
+    let film = Film::merge(&films).map_err(|error| match error {
+        // Whoever renders many shards knows them by their files.
+        MergeError::Different { number } => anyhow!(
+            "{} is of another picture than {}: of {}, not of {}",
+            args.films[number - 1].display(),
+            args.films[0].display(),
+            describe(&films[number - 1]),
+            describe(&films[0])
+        ),
+        error => error.into(),
+    })?;
+    output::write(&args.out, &film)?;
+    say(format!(
+        "{}: {} x {}, {} samples of {} shards{}",
+        args.out.display(),
+        film.width,
+        film.height,
+        film.samples,
+        films.len(),
+        odd_samples(&film)
+    ))
+}

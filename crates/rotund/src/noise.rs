@@ -1,0 +1,128 @@
+//! `noise <scene> --reference FILE`: how noise falls with time, for both samplers.
+//!
+//! Noise is `mean((a - b)² / (b² + 0.01))` against the reference, without the worst 0.1 % of the pixels.
+//! That of plain Monte Carlo falls as one over the time, so seconds times noise is a figure of merit
+//! that does not depend on the number of samples. The reference's own noise is part of what is
+//! measured: it should have many more samples.
+
+use crate::cancel::Cancelled;
+use crate::kinds::enhance;
+use crate::output::{check_file, write_text};
+use crate::shot::{PictureArgs, take_on};
+use anyhow::{Result, bail};
+use rotund_image::Picture;
+use rotund_image::metrics::noise;
+use rotund_report::chart::{self, Labels, Series};
+use rotund_report::console::{Table, say};
+use rotund_scene::Trees;
+use rotund_trace::{Film, Options, Sequence};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask render shapes4 --samples 4096 --seed 1 --out reference.exr
+  cargo xtask noise shapes4 --reference reference.exr --samples 256
+  cargo xtask noise path/to/scene.json --reference other.exr --kinds '' --out noise.html";
+
+/// Options of `noise`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
+    scene: String,
+    /// What the picture should be: exr or hdr, of the size that is rendered.
+    #[arg(long, value_name = "FILE.{exr,hdr}")]
+    reference: PathBuf,
+    /// Trace all shapes the usual approximate way.
+    #[arg(long)]
+    vanilla: bool,
+    /// The page with the plot.
+    #[arg(long, value_name = "FILE.html", default_value = "noise.html")]
+    out: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
+}
+
+/// After so many samples and seconds.
+struct Reading {
+    samples: u32,
+    seconds: f64,
+    noise: f64,
+}
+
+pub(crate) fn run(args: Args) -> Result<()> {
+    check_file(&args.out)?;
+    let reference = Picture::read(&args.reference)?;
+    let (mut scene, camera, options) = args.picture.load(&args.scene)?;
+    let size = (options.width as usize, options.height as usize);
+    if size != (reference.width, reference.height) {
+        bail!(
+            "{} is {} x {}, the picture {} x {}",
+            args.reference.display(),
+            reference.width,
+            reference.height,
+            size.0,
+            size.1
+        );
+    }
+    enhance(&mut scene.scene, &if args.vanilla { Vec::new() } else { args.picture.kinds.kinds() });
+    let trees = Trees::build(&scene.scene);
+    let mut table = Table::new(&["sampler", "samples", "seconds", "noise", "seconds x noise"]);
+    let mut curves = Vec::new();
+    for (index, (name, sequence)) in
+        [("Sobol", Sequence::Sobol), ("independent", Sequence::Independent)].into_iter().enumerate()
+    {
+        let options = Options { sequence, ..options.clone() };
+        let mut readings: Vec<Reading> = Vec::new();
+        let (start, mut reading_time) = (Instant::now(), Duration::ZERO);
+        let mut read = |film: &Film| {
+            let now = start.elapsed();
+            // As even on a logarithmic axis as passes allow.
+            let due = readings.last().is_none_or(|last| film.samples >= 2 * last.samples);
+            if due || film.samples == options.samples {
+                readings.push(Reading {
+                    samples: film.samples,
+                    seconds: (now - reading_time).as_secs_f64(),
+                    noise: noise(&Picture::from(&film.image()), &reference),
+                });
+            }
+            reading_time += start.elapsed() - now;
+        };
+        let shot = args.picture.shot.with_threads(|| {
+            let film = Film::new(&options);
+            take_on(film, &scene.scene, &trees, camera, &options, name, &mut read)
+        })?;
+        if shot.interrupted {
+            bail!(Cancelled("nothing was written".to_owned()));
+        }
+        for Reading { samples, seconds, noise } in &readings {
+            table.row([
+                name.to_owned(),
+                samples.to_string(),
+                format!("{seconds:.2}"),
+                format!("{noise:.6}"),
+                format!("{:.5}", seconds * noise),
+            ]);
+        }
+        curves.push(Series {
+            name: name.to_owned(),
+            color: chart::color(index),
+            approximate: false,
+            points: readings.iter().map(|reading| (reading.seconds, reading.noise)).collect(),
+        });
+    }
+    let title = format!("{}: noise against time", scene.name);
+    let labels = Labels { title: &title, x: "seconds", y: "relative squared error" };
+    let style = rotund_report::STYLE;
+    let page = format!(
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{0}</title>\
+         <style>{style}</style><body><h1>{0}</h1>{1}{2}<pre>{table}</pre></body></html>\n",
+        chart::escape(&title),
+        chart::legend(&curves),
+        chart::curves(&labels, &curves, None),
+    );
+    write_text(&args.out, &page)?;
+    say(table.to_string())?;
+    say(format!("\nopen {}", args.out.display()))
+}

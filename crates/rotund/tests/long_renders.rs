@@ -1,0 +1,233 @@
+//! Long renders are safe: stopped, killed or divided, they make the picture of one that was not.
+
+use rotund_trace::output::load_film;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SCENE: &str = r#"{
+    "asset": { "version": "4.2" },
+    "cameras": [{ "name": "front", "frame": [1,0,0, 0,1,0, 0,0,1, 0,0,2] }],
+    "environments": [{ "emission": [0.2, 0.5, 1] }],
+    "materials": [
+        { "name": "grey", "type": "glossy", "roughness": 0.3, "color": [0.5, 0.5, 0.5] },
+        { "name": "lamp", "emission": [5, 4, 3] }
+    ],
+    "shapes": [{ "name": "floor", "uri": "floor.ply" }, { "name": "ball", "uri": "ball.ply" }],
+    "instances": [
+        { "name": "floor", "shape": 0, "material": 0 }, { "name": "ball", "shape": 1, "material": 1 }
+    ]
+}"#;
+const FLOOR: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+    property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+    -1 -0.4 -1\n1 -0.4 -1\n1 -0.3 1\n-1 -0.4 1\n4 0 1 2 3\n";
+const BALL: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+    property float z\nproperty float radius\nelement point 1\n\
+    property list uchar int vertex_indices\nend_header\n0 0 0 0.2\n1 0\n";
+
+/// A folder with the scene, in which the program runs.
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for (name, text) in [("scene.json", SCENE), ("floor.ply", FLOOR), ("ball.ply", BALL)] {
+            fs::write(folder.path().join(name), text).expect("a file of the scene");
+        }
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rotund"));
+        command.current_dir(self.0.path()).args(arguments.split_whitespace());
+        command
+    }
+
+    /// Runs to the end.
+    fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().expect("the program starts")
+    }
+
+    #[track_caller]
+    fn succeed(&self, arguments: &str) {
+        let output = self.run(arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {message}");
+    }
+
+    #[track_caller]
+    fn refuse(&self, arguments: &str, words: &[&str]) {
+        let output = self.run(arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}: {message}");
+        for word in words {
+            assert!(message.contains(word), "{arguments}: {word:?} is not in {message:?}");
+        }
+    }
+
+    /// Starts, and returns once `file` is there.
+    fn start(&self, arguments: &str, file: &str) -> Child {
+        let mut command = self.command(arguments);
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let child = child.expect("the program starts");
+        let start = Instant::now();
+        while !self.path(file).exists() {
+            assert!(start.elapsed() < Duration::from_secs(60), "{file} does not come");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child
+    }
+}
+
+const PICTURE: &str = "render scene.json --resolution 48 --samples 3000 --seed 7";
+
+fn samples(path: &Path) -> u32 {
+    load_film(path).expect("a checkpoint").samples
+}
+
+#[test]
+fn a_render_that_was_killed_goes_on_to_the_same_picture() {
+    let place = Place::new();
+    place.succeed(&format!("{PICTURE} --out plain.exr"));
+    let kept = format!("{PICTURE} --out kept.exr --checkpoint film --checkpoint-every 0 --resume");
+    let mut child = place.start(&kept, "film");
+    child.kill().expect("it runs");
+    child.wait().expect("it ends");
+    assert!(!place.path("kept.exr").exists(), "it was not finished");
+    let done = samples(&place.path("film"));
+    assert!((1..3000).contains(&done), "{done} samples");
+    place.succeed(&kept);
+    assert_eq!(samples(&place.path("film")), 3000);
+    assert!(place.bytes("plain.exr") == place.bytes("kept.exr"), "the pictures differ");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_writes_what_there_is_and_says_how_much() {
+    let place = Place::new();
+    place.succeed(&format!("{PICTURE} --out plain.exr"));
+    let kept = format!("{PICTURE} --out kept.exr --checkpoint film --checkpoint-every 0 --resume");
+    let child = place.start(&kept, "film");
+    interrupt(&child);
+    let output = child.wait_with_output().expect("it ends");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    let done = samples(&place.path("film"));
+    assert!((1..3000).contains(&done), "{done} samples");
+    let expected = format!("error: interrupted; kept.exr and film: {done} of 3000 samples");
+    assert!(message.contains(&expected), "{expected:?} is not in {message:?}");
+    assert!(place.path("kept.exr").exists(), "there is a picture");
+    place.succeed(&kept);
+    assert!(place.bytes("plain.exr") == place.bytes("kept.exr"), "the pictures differ");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_in_a_comparison_keeps_the_picture_that_was_begun() {
+    let place = Place::new();
+    let command = "compare scene.json --out there --resolution 64 --samples 100000";
+    let child = place.start(command, "there");
+    // The folder is there before Ctrl-C is listened to.
+    std::thread::sleep(Duration::from_millis(500));
+    interrupt(&child);
+    let output = child.wait_with_output().expect("it ends");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("there holds vanilla with "), "{message}");
+    assert!(message.contains(" of 100000 samples"), "{message}");
+    assert!(place.path("there/vanilla.exr").exists(), "there is a picture");
+}
+
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(status.expect("kill starts").success(), "the program runs");
+}
+
+#[test]
+fn shards_merge_to_the_picture_of_one_render() {
+    let place = Place::new();
+    // More than one tile of the file in each direction.
+    let picture = "render scene.json --resolution 160 --samples 10 --seed 7";
+    place.succeed(&format!("{picture} --out plain.exr"));
+    for shard in 1..=3 {
+        place.succeed(&format!("{picture} --shard {shard}/3 --checkpoint {shard}.film"));
+    }
+    place.succeed("merge 3.film 1.film 2.film --out merged.exr");
+    assert!(place.bytes("plain.exr") == place.bytes("merged.exr"), "the pictures differ");
+    place.refuse("merge 1.film 2.film --out no.exr", &["shard 3/3 is there 0 times"]);
+    place.refuse("merge 1.film 2.film 2.film --out no.exr", &["shard 2/3 is there 2 times"]);
+    place.succeed("render scene.json --resolution 160 --seed 8 --shard 2/3 --checkpoint other.film --samples 1");
+    place.refuse(
+        "merge 1.film other.film 3.film --out no.exr",
+        &["other.film is of another picture than 1.film", "seed 8, shard 2/3, not of", "seed 7"],
+    );
+    assert!(!place.path("no.exr").exists(), "nothing is written");
+}
+
+#[test]
+fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
+    let place = Place::new();
+    let picture = "render scene.json --resolution 32 --samples 4 --checkpoint film";
+    place.succeed(picture);
+    place.refuse(picture, &["film exists", "--resume"]);
+    for (change, words) in [
+        ("--seed 9", ["seed 0", "seed 9"]),
+        ("--bounces 3", ["8 bounces", "3 bounces"]),
+        ("--resolution 40", ["32 x ", "40 x "]),
+        ("--mode vanilla", ["another picture", "scene ("]),
+        ("--sampler independent", ["another picture", "independent numbers"]),
+        ("--clamp 10", ["another picture", "clamped to 10"]),
+        ("--view uv", ["another picture", "view Uv"]),
+        ("--shard 1/2", ["another picture", "shard 1/2"]),
+        ("--samples 3", ["has 4 samples already", "the 3 asked for"]),
+    ] {
+        place.refuse(&format!("{picture} --resume {change}"), &words);
+    }
+    // Any change of the scene: here one coordinate.
+    fs::write(place.path("floor.ply"), FLOOR.replace("1 -0.3 1", "1 -0.31 1")).expect("a file");
+    place.refuse(&format!("{picture} --resume"), &["another picture"]);
+    fs::write(place.path("floor.ply"), FLOOR).expect("a file");
+    place.succeed(&format!("{picture} --resume"));
+
+    let whole = place.bytes("film");
+    fs::write(place.path("film"), &whole[..whole.len() / 2]).expect("a file");
+    place.refuse(&format!("{picture} --resume"), &["film is damaged"]);
+    fs::write(place.path("film"), "no film").expect("a file");
+    place.refuse(&format!("{picture} --resume"), &["film is not a checkpoint"]);
+    place.refuse("merge film --out no.exr", &["film is not a checkpoint"]);
+    place.refuse("render scene.json --shard 0/4 --checkpoint a", &["1/4 to 4/4"]);
+    place.refuse("render scene.json --shard 2/4 --out a.png", &["--checkpoint"]);
+}
+
+#[test]
+fn every_view_makes_a_picture_and_layers_go_into_an_exr() {
+    let place = Place::new();
+    let views = "path furnace eyelight position geometric-normal shading-normal uv texcoord element \
+        instance method material error";
+    for view in views.split_whitespace() {
+        let out = format!("{view}.png");
+        place.succeed(&format!(
+            "render scene.json --resolution 32 --samples 4 --view {view} --out {out}"
+        ));
+        assert!(place.path(&out).exists(), "{view}");
+    }
+    place.succeed("render scene.json --resolution 32 --samples 4 --layers --out layers.exr");
+    let file = exr::prelude::read_all_flat_layers_from_file(place.path("layers.exr"));
+    let layers = file.expect("an EXR").layer_data;
+    let names: Vec<_> =
+        layers[0].channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    let expected = "A B G R albedo.B albedo.G albedo.R depth.Z element.id instance.id material.id \
+        normal.X normal.Y normal.Z position.X position.Y position.Z";
+    assert_eq!(names, expected.split_whitespace().collect::<Vec<_>>());
+    place.refuse("render scene.json --layers --out layers.png", &["only an exr"]);
+}

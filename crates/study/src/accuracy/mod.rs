@@ -1,0 +1,152 @@
+//! `accuracy`: speed against error of every intersector, the library's own and the published ones.
+//!
+//! Rays of the hardest families are solved in 106 bits by formulas that share nothing with the code
+//! under test; every method is held against that. Prints a table for each shape and writes a report
+//! that opens offline. It exists so that each claim about accuracy or speed has a command.
+
+mod baselines;
+mod families;
+mod leaving;
+mod methods;
+mod overview;
+mod progress;
+mod random;
+mod replay;
+mod report;
+mod round_trip;
+mod sheets;
+mod study;
+mod tally;
+mod targets;
+mod timing;
+mod truth;
+mod wide;
+
+use std::{
+    fs,
+    io::Write as _,
+    path::{Path, PathBuf},
+};
+
+use self::progress::Progress;
+use anyhow::{Context, Result, bail, ensure};
+use rotund_report::console::say;
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask accuracy --out out/accuracy
+  cargo xtask accuracy --shape cone --family grazing --method rotund --no-timing
+  cargo xtask accuracy --seed 7 --check
+  cargo xtask accuracy --round-trip 10000000";
+
+/// Options of `accuracy`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Only shapes with this in their name: sphere, cone, patch. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    shape: Vec<String>,
+    /// Only families with this in their name. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    family: Vec<String>,
+    /// Only methods with this in their name. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    method: Vec<String>,
+    /// Rays of each family and level; 25 times as many are aimed at each kind of place where shapes
+    /// meet.
+    #[arg(long, default_value_t = 10_000, value_name = "COUNT")]
+    rays: u64,
+    /// Where the random numbers start.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write everything that was measured to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write index.html, the report, to this directory.
+    #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
+    out: PathBuf,
+    /// Fail if one of our own methods misses a target, and list each row that does.
+    #[arg(long)]
+    check: bool,
+    /// Show one case, as reports name it, with the answer of every method.
+    #[arg(long, value_name = "CASE", exclusive = true)]
+    replay: Option<String>,
+    /// Only compare so many hits, of all elements in frames of every kind, with the point and the normal that
+    /// their parameters name.
+    #[arg(
+        long,
+        value_name = "COUNT",
+        conflicts_with_all = ["shape", "family", "method", "rays", "json", "check", "replay", "no_timing"]
+    )]
+    round_trip: Option<u64>,
+    /// Do not measure time.
+    #[arg(long)]
+    no_timing: bool,
+}
+
+/// Measures, prints and writes what the options ask for.
+///
+/// # Errors
+///
+/// If no row has the names given, a file cannot be written, or a target is missed with `--check`.
+pub fn run(args: Args) -> Result<()> {
+    if let Some(case) = &args.replay {
+        return replay::run(case);
+    }
+    if let Some(count) = args.round_trip {
+        return round_trip::run(count, args.seed);
+    }
+    ensure!(args.rays > 0, "--rays must be at least 1");
+    let options = study::Options {
+        shapes: args.shape,
+        families: args.family,
+        methods: args.method,
+        rays: args.rays,
+        seed: args.seed,
+        timing: !args.no_timing,
+    };
+    let rows = options.row_count();
+    ensure!(
+        rows > 0,
+        "no row has the names given; the rows are\n{}",
+        study::Options::all_rows().join("\n")
+    );
+    let progress = Progress::new(rows);
+    let study = study::run(&options, &progress);
+    progress.finish();
+    ensure!(
+        !study.shapes.is_empty(),
+        "no method of these shapes has the name given with --method; expected one of {}",
+        options.all_methods().join(", ")
+    );
+    let verdicts = targets::verdicts(&study);
+    ensure!(!args.check || !verdicts.is_empty(), "nothing to check: --method leaves out our own");
+    overview::print(&study, &verdicts)?;
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({ "study": study, "targets": verdicts });
+        write(path, &serde_json::to_string_pretty(&all)?)?;
+    }
+    let page = args.out.join("index.html");
+    write(&page, &report::page(&study, &verdicts, &options)?)?;
+    say(format!("\nreport: {}", page.display()))?;
+    let missed: Vec<_> = verdicts.iter().filter(|v| !v.met).collect();
+    if args.check && !missed.is_empty() {
+        for verdict in &missed {
+            say(format!("\n{}, {}, limit {}:", verdict.shape, verdict.what, verdict.limit))?;
+            for miss in &verdict.misses {
+                say(format!("  {miss}"))?;
+            }
+        }
+        bail!("{} of {} targets are missed", missed.len(), verdicts.len());
+    }
+    Ok(())
+}
+
+/// Writes the file in one piece; its folder is made if need be.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    rotund_image::write_with(path, |file| file.write_all(text.as_bytes()))?;
+    Ok(())
+}

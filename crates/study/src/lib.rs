@@ -1,0 +1,4 @@
+//! Measures speed against error of every intersector, and how fast trees are built and walked.
+
+pub mod accuracy;
+pub mod rays;

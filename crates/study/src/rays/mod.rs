@@ -1,0 +1,124 @@
+//! `rays`: how fast trees are built and walked, on scenes that anyone can rebuild bit for bit.
+//!
+//! Prints a table, and writes on request JSON rows and a page with bars and a picture of how many nodes
+//! and primitives each pixel looks at. With a peer (a program around another ray tracer) both run in
+//! turn on the same machine, so that each ratio is paired; medians are shown.
+
+mod measure;
+mod memory;
+mod page;
+mod peer;
+mod progress;
+mod recipe;
+mod reference;
+mod shoot;
+mod subject;
+
+use anyhow::Result;
+use rotund_bvh::Isa;
+use rotund_scene::Scene;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Scenes: spheres-1M, cones-1M, patches-1M, spheres-10M or another number of millions; or the name of a scene
+that comes with the workspace, or the path of a JSON, PLY or OBJ file, each shape of which is measured by itself.
+
+Examples:
+  cargo xtask rays
+  cargo xtask rays spheres-1M cones-1M --isa avx2 --page rays.html
+  cargo xtask rays patches-1M --vanilla --peer ./embree_bench --repeat 5 --json rays.json
+  cargo xtask rays shapes4 scan.ply
+  cargo xtask rays patches-1M --verify 10000000";
+
+/// Options of `rays`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// What to build trees over.
+    #[arg(default_values = ["spheres-1M", "cones-1M", "patches-1M"])]
+    scenes: Vec<String>,
+    /// Passes, of which the median counts, after one that does not.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    repeat: u16,
+    /// Shoot at the vanilla forms: points, lines, two triangles.
+    #[arg(long)]
+    vanilla: bool,
+    /// Instruction set: portable (on x86-64 also called sse2, which it is there), avx2 or avx512. [default: the
+    /// fastest]
+    #[arg(long)]
+    isa: Option<Isa>,
+    /// Compare the answers for this many rays, to the bit, with those of a plain tree that calls the exact
+    /// test of each primitive, and some with a loop over all primitives, instead of measuring. Without
+    /// --isa, on all instruction sets.
+    #[arg(long, value_name = "RAYS", value_parser = clap::value_parser!(u32).range(1..))]
+    verify: Option<u32>,
+    /// A program that measures another ray tracer, run in turn with ours on the scenes of the first line
+    /// below, up to spheres-10M.
+    #[arg(long, value_name = "PROGRAM")]
+    peer: Option<PathBuf>,
+    /// Write the rows as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write a page with bars and a picture of the traversal cost.
+    #[arg(long, value_name = "FILE.html")]
+    page: Option<PathBuf>,
+}
+
+/// One figure and what belongs to it.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    scene: String,
+    form: &'static str,
+    rays: &'static str,
+    threads: usize,
+    isa: &'static str,
+    mrays_per_second: f64,
+    peer_mrays_per_second: Option<f64>,
+    ratio: Option<f64>,
+    hit_share: f64,
+    nodes_per_ray: f64,
+    primitives_per_ray: f64,
+    build_seconds: f64,
+    peer_build_seconds: Option<f64>,
+    bytes_per_primitive: f64,
+    /// What the process grew by at most while the tree was built.
+    peak_bytes_per_primitive: Option<f64>,
+    sah: f64,
+}
+
+/// What a scene adds to the page.
+struct Sheet {
+    scene: String,
+    rows: Vec<Row>,
+    /// Nodes and primitives that each primary ray visits.
+    visits: Vec<u32>,
+}
+
+/// Loads the scene of a name or a path, and tells its name.
+pub type Load<'a> = &'a dyn Fn(&str) -> Result<(String, Scene)>;
+
+/// Measures, prints and writes what the options ask for.
+///
+/// # Errors
+///
+/// If a scene is unknown or cannot be loaded, or a file cannot be written.
+pub fn run(args: Args, load: Load<'_>) -> Result<()> {
+    let mut sheets = Vec::new();
+    for scene in &args.scenes {
+        subject::measure_all(scene, &args, load, &mut sheets)?;
+    }
+    if let Some(path) = &args.json {
+        let rows: Vec<&Row> = sheets.iter().flat_map(|sheet| &sheet.rows).collect();
+        write(path, serde_json::to_string_pretty(&rows)?.as_bytes())?;
+    }
+    if let Some(path) = &args.page {
+        write(path, page::page(&sheets)?.as_bytes())?;
+    }
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    rotund_image::write_with(path, |file| std::io::Write::write_all(file, bytes))?;
+    Ok(())
+}

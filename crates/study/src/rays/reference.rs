@@ -1,0 +1,200 @@
+//! What a tree is held against: a tree so plain that it can be seen to be right, and a loop.
+//!
+//! The plain tree halves the primitives by their middles along the longest axis, tests boxes in `f64`, and calls
+//! the exact test of each primitive it comes to. It shares no code with the trees of `rotund_bvh`. A loop
+//! over a million primitives is too slow for millions of rays, so few rays are held against that.
+
+use super::recipe::{self, Target};
+use super::shoot::{Primitive, Traced};
+use anyhow::{Result, bail};
+use rayon::prelude::*;
+use rotund_bvh::{Form, Isa, PrimitiveHit};
+use rotund_geometry::{Aabb, Ray};
+use rotund_report::console::say;
+
+/// Rays that are held against a loop, from each scene.
+const LOOPED: usize = 40;
+
+/// Compares the answers of trees for all sets of instructions, to the bit.
+pub(super) fn verify<P: Primitive>(
+    scene: &str,
+    primitives: &[P],
+    target: &Target,
+    count: usize,
+    form: Form,
+    sets: &[Isa],
+) -> Result<()> {
+    let plain = Plain::build(primitives);
+    let closest = |ray: &Ray| plain.closest(primitives, ray, form);
+    let mut rays = recipe::primary(target);
+    let (diffuse, shadow) = recipe::secondary(target, &rays, |ray| Some(closest(ray)?.hit));
+    rays.extend(diffuse);
+    rays.extend(shadow);
+    let enough = rays.len().min(count);
+    // Spread over the kinds, if they are not all wanted.
+    let step = rays.len() / enough.max(1);
+    let mut rays: Vec<Ray> = rays.into_iter().step_by(step.max(1)).take(enough).collect();
+    rays.extend(recipe::random(target, count - enough));
+
+    let expected: Vec<Option<PrimitiveHit>> = rays.par_iter().map(closest).collect();
+    let step = (rays.len() / LOOPED).max(1);
+    let looped = (0..rays.len()).into_par_iter().step_by(step).find_map_any(|index| {
+        let found = over_all(primitives, &rays[index], form);
+        (found != expected[index])
+            .then(|| format!("{:?}: {found:?}, {:?}", rays[index], expected[index]))
+    });
+    if let Some(difference) = looped {
+        bail!("{scene}: the plain tree does not answer as the loop: {difference}");
+    }
+    for &isa in sets {
+        let tree = P::build(primitives, isa);
+        let difference = rays.par_iter().zip(&expected).find_map_any(|(ray, expected)| {
+            let found = (tree.closest(ray, form), tree.any(ray, form));
+            (found != (*expected, expected.is_some()))
+                .then(|| format!("{ray:?}: the tree says {found:?}, the primitives {expected:?}"))
+        });
+        if let Some(difference) = difference {
+            bail!("{scene}, {}: {difference}", isa.name());
+        }
+        let hits = expected.iter().flatten().count();
+        say(format!(
+            "{scene}, {}: {} rays, {hits} hits, closest and any as by the scalar tests, to the bit",
+            isa.name(),
+            rays.len(),
+        ))?;
+    }
+    Ok(())
+}
+
+/// The lowest id among the smallest `t`.
+fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, form: Form) -> Option<PrimitiveHit> {
+    let mut best: Option<PrimitiveHit> = None;
+    for (id, primitive) in primitives.iter().enumerate() {
+        if let Some(hit) = primitive.exact(ray, form)
+            && best.is_none_or(|best| hit.t < best.hit.t)
+        {
+            best = Some(PrimitiveHit { id: id as u32, hit });
+        }
+    }
+    best
+}
+
+/// A binary tree: the node `i` has the children `2 i + 1` and `2 i + 2`, and the range of ids is halved.
+struct Plain {
+    ids: Vec<u32>,
+    boxes: Vec<Aabb>,
+}
+
+/// Ids in a leaf, at most.
+const LEAF: usize = 4;
+
+impl Plain {
+    fn build<P: Primitive>(primitives: &[P]) -> Self {
+        let bounds: Vec<Aabb> = primitives.iter().map(P::bounds).collect();
+        let mut ids: Vec<u32> = (0..primitives.len() as u32).collect();
+        let depth = primitives.len().div_ceil(LEAF).next_power_of_two().ilog2();
+        let mut boxes = vec![Aabb::EMPTY; (2 << depth) - 1];
+        halve(&mut ids, &bounds, &mut boxes, 0);
+        Self { ids, boxes }
+    }
+
+    fn closest<P: Primitive>(
+        &self,
+        primitives: &[P],
+        ray: &Ray,
+        form: Form,
+    ) -> Option<PrimitiveHit> {
+        let mut best: Option<PrimitiveHit> = None;
+        let mut waiting = vec![(0, 0..self.ids.len())];
+        while let Some((node, range)) = waiting.pop() {
+            let t_max = best.map_or(ray.t_max, |best| best.hit.t);
+            if entry(&self.boxes[node], ray, t_max).is_none() {
+                continue;
+            }
+            if range.len() > LEAF {
+                let middle = range.start + range.len() / 2;
+                let (low, high) = (2 * node + 1, 2 * node + 2);
+                let [to_low, to_high] =
+                    [low, high].map(|child| entry(&self.boxes[child], ray, t_max));
+                let [low, high] = [(low, range.start..middle), (high, middle..range.end)];
+                // The nearer one is the next: what is found there spares much of the other. None is less than
+                // any, and what is not met is soon done with.
+                waiting.extend(if to_low < to_high { [high, low] } else { [low, high] });
+                continue;
+            }
+            for &id in &self.ids[range] {
+                if let Some(hit) = primitives[id as usize].exact(ray, form)
+                    && best.is_none_or(|best| (hit.t, id) < (best.hit.t, best.id))
+                {
+                    best = Some(PrimitiveHit { id, hit });
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Orders the ids of a node and of all below it, and fills in their boxes.
+fn halve(ids: &mut [u32], bounds: &[Aabb], boxes: &mut [Aabb], node: usize) {
+    let whole = ids.iter().fold(Aabb::EMPTY, |sum, &id| {
+        let bounds = bounds[id as usize];
+        // What has a NaN or no inside cannot be hit.
+        if bounds.is_empty() { sum } else { sum.union(bounds) }
+    });
+    boxes[node] = whole;
+    if ids.len() <= LEAF {
+        return;
+    }
+    let axis = (whole.max - whole.min).max_position();
+    let middle = ids.len() / 2;
+    let key = |&id: &u32| bounds[id as usize].center()[axis];
+    ids.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
+    let (low, high) = ids.split_at_mut(middle);
+    halve(low, bounds, boxes, 2 * node + 1);
+    halve(high, bounds, boxes, 2 * node + 2);
+}
+
+/// Where the ray enters the box within its interval up to `t_max`, also if it misses it by a rounding of
+/// `f32`.
+fn entry(bounds: &Aabb, ray: &Ray, t_max: f32) -> Option<f64> {
+    let slack = 1e-6;
+    let mut near = f64::from(ray.t_min);
+    let mut far = f64::from(t_max);
+    near -= slack * near.abs();
+    far += slack * far.abs();
+    for axis in 0..3 {
+        let (o, d) = (f64::from(ray.origin[axis]), f64::from(ray.direction[axis]));
+        let (low, high) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
+        if d == 0.0 {
+            if !(low <= o && o <= high) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low - o) / d, (high - o) / d);
+        let (a, b) = (a.min(b), a.max(b));
+        near = near.max(a - slack * a.abs());
+        far = far.min(b + slack * b.abs());
+    }
+    (near <= far).then_some(near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plain_tree_answers_as_the_loop() {
+        let (cones, _) = recipe::cones(50);
+        let plain = Plain::build(&cones);
+        let mut hits = 0;
+        for ray in recipe::random(&Target::UNIT, 5000) {
+            for form in [Form::Enhanced, Form::Vanilla] {
+                let expected = over_all(&cones, &ray, form);
+                assert_eq!(plain.closest(&cones, &ray, form), expected, "{ray:?}");
+                hits += usize::from(expected.is_some());
+            }
+        }
+        assert!(hits > 100, "{hits} hits");
+    }
+}
