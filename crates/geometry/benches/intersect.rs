@@ -3,38 +3,26 @@
 //! Hits and misses are timed apart, over 1024 rays that the branch predictor comes to know. So are rays that
 //! leave the exact shapes from a point they were hit at, outwards and, where there is an inside, inwards.
 
+#[path = "../src/test_random.rs"]
+mod test_random;
+
 use std::hint::black_box;
 
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rotund_geometry::glam::Vec3;
 use rotund_geometry::vanilla::{Line, Point, Quad};
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere};
+use test_random::Random;
 
 const RAYS: usize = 1024;
-
-/// xorshift: numbers in -1..1, the same in each run.
-struct Random(u64);
-
-impl Random {
-    fn number(&mut self) -> f32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        ((self.0 >> 40) as f32) / (1_u32 << 23) as f32 - 1.0
-    }
-
-    fn point(&mut self) -> Vec3 {
-        Vec3::new(self.number(), self.number(), self.number())
-    }
-}
 
 /// Rays at the unit cube that hit, or miss, by the given test.
 fn rays(wanted: bool, hits: impl Fn(&Ray) -> bool) -> Vec<Ray> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut rays = Vec::new();
     while rays.len() < RAYS {
-        let origin = random.point().normalize_or(Vec3::X) * 10.0;
-        let ray = Ray::new(origin, random.point() - origin);
+        let origin = random.in_cube().normalize_or(Vec3::X) * 10.0;
+        let ray = Ray::new(origin, random.in_cube() - origin);
         if hits(&ray) == wanted {
             rays.push(ray);
         }
@@ -79,7 +67,7 @@ fn leaving(
     let spawn = |ray: &Ray| {
         let hit = closest(ray).expect("the rays were chosen because they hit");
         let side = if (hit.normal.dot(ray.direction) < 0.0) != through { 1.0 } else { -1.0 };
-        let direction = random.point().normalize_or(Vec3::X) + 1.001 * side * hit.normal;
+        let direction = random.in_cube().normalize_or(Vec3::X) + 1.001 * side * hit.normal;
         hit.spawn(direction)
     };
     rays(true, any).iter().map(spawn).collect()

@@ -10,7 +10,7 @@
 use crate::libm_functions::Functions as _;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What a solver asks of its numbers, so that it can be written once for `f64` and [`Double`].
+/// What a solver asks of its numbers, so that it can be written once for `f64` and [`DoubleDouble`].
 pub(crate) trait Real:
     Copy
     + PartialOrd
@@ -47,29 +47,29 @@ impl Real for f64 {
 
 /// The number `high + low`; `high` is the sum, rounded.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub(crate) struct Double {
+pub(crate) struct DoubleDouble {
     high: f64,
     low: f64,
 }
 
 /// `a + b` and the error of that sum, which is an `f64`.
 #[inline]
-fn two_sum(a: f64, b: f64) -> Double {
+fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let b_part = high - a;
-    Double { high, low: (a - (high - b_part)) + (b - b_part) }
+    DoubleDouble { high, low: (a - (high - b_part)) + (b - b_part) }
 }
 
 /// [`two_sum`] for `|a| >= |b|`.
 #[inline]
-fn quick_two_sum(a: f64, b: f64) -> Double {
+fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
-    Double { high, low: b - (high - a) }
+    DoubleDouble { high, low: b - (high - a) }
 }
 
 /// `a b` and the error of that product, by splitting both factors into halves of 26 bits.
 #[inline]
-fn two_product(a: f64, b: f64) -> Double {
+fn two_product(a: f64, b: f64) -> DoubleDouble {
     let split = |x: f64| {
         let scaled = 134_217_729.0 * x;
         let high = scaled - (scaled - x);
@@ -77,10 +77,10 @@ fn two_product(a: f64, b: f64) -> Double {
     };
     let high = a * b;
     let ((a1, a2), (b1, b2)) = (split(a), split(b));
-    Double { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
+    DoubleDouble { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
 }
 
-impl Add for Double {
+impl Add for DoubleDouble {
     type Output = Self;
 
     #[inline]
@@ -91,7 +91,7 @@ impl Add for Double {
     }
 }
 
-impl Neg for Double {
+impl Neg for DoubleDouble {
     type Output = Self;
 
     #[inline]
@@ -100,7 +100,7 @@ impl Neg for Double {
     }
 }
 
-impl Sub for Double {
+impl Sub for DoubleDouble {
     type Output = Self;
 
     #[inline]
@@ -109,7 +109,7 @@ impl Sub for Double {
     }
 }
 
-impl Mul for Double {
+impl Mul for DoubleDouble {
     type Output = Self;
 
     #[inline]
@@ -120,7 +120,7 @@ impl Mul for Double {
     }
 }
 
-impl Div for Double {
+impl Div for DoubleDouble {
     type Output = Self;
 
     #[inline]
@@ -137,7 +137,7 @@ impl Div for Double {
     }
 }
 
-impl Real for Double {
+impl Real for DoubleDouble {
     const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
     #[inline]
@@ -168,8 +168,8 @@ mod tests {
 
     #[test]
     fn digits_far_behind_the_first_ones_survive() {
-        let one = Double::exact(1.0);
-        let tiny = Double::exact(2.0_f32.powi(-80));
+        let one = DoubleDouble::exact(1.0);
+        let tiny = DoubleDouble::exact(2.0_f32.powi(-80));
         assert_eq!(((one + tiny) - one).nearest(), 2.0_f64.powi(-80));
         assert_eq!(((one + tiny) * (one - tiny) - one).nearest(), 0.0);
         let square = (one + tiny) * (one + tiny);
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn quotients_and_roots_undo_products() {
         for (x, y) in [(3.0, 7.0), (1e-20, 1e20), (0.1, 1e-3), (5e30, 0.3)] {
-            let (x, y) = (Double::exact(x), Double::exact(y));
+            let (x, y) = (DoubleDouble::exact(x), DoubleDouble::exact(y));
             let back = (x / y) * y - x;
             assert!(back.nearest().abs() <= 1e-31 * x.nearest(), "{back:?}");
             let back = x.square_root() * x.square_root() - x;
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn zero_has_the_root_zero_and_nothing_is_divided_into_a_nan_but_zero() {
-        let (zero, one) = (Double::ZERO, Double::exact(1.0));
+        let (zero, one) = (DoubleDouble::ZERO, DoubleDouble::exact(1.0));
         assert_eq!(zero.square_root().nearest(), 0.0);
         assert_eq!((one / zero).nearest(), f64::INFINITY);
         assert!((zero / zero).nearest().is_nan());

@@ -56,9 +56,3 @@ pub fn rounding_error(p: Vec3) -> f32 {
 pub(crate) fn round(p: DVec3) -> Vec3 {
     p.as_vec3()
 }
-
-/// A difference that keeps less than this share of its terms is computed again with more digits.
-///
-/// It has lost 16 of the 53 bits of an `f64`; what is left rounds to the same `f32` as the exact value,
-/// but for one case in 2⁻¹², in which it rounds to the neighbour, half a unit away.
-pub(crate) const CANCELLATION: f64 = 1.0 / 65_536.0;

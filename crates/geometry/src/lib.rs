@@ -81,24 +81,22 @@ extern crate std;
 
 mod aabb;
 mod basis;
-mod beside;
 mod bilinear_patch;
-mod careful_cone;
-mod careful_patch;
 mod double_double;
+mod f64x2;
+mod filter;
 mod float;
 #[cfg(not(feature = "std"))]
 mod libm_functions;
 mod method;
-mod pair;
-mod patch_solver;
+mod origin_side;
 mod primitive;
-mod profile;
-mod queries;
 mod ray;
 mod ray_space;
 mod rounded_cone;
 mod sphere;
+#[cfg(test)]
+mod test_random;
 #[cfg(test)]
 mod test_rays;
 mod triangle;

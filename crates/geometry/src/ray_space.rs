@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::Ray;
-use crate::pair::{Mask, Pair};
+use crate::f64x2::{F64x2, Mask};
 
 /// Projects points along a ray onto a plane.
 ///
@@ -19,20 +19,20 @@ use crate::pair::{Mask, Pair};
 pub(crate) struct RaySpace {
     axes: [usize; 3],
     // Each twice, in fields of their own: the compiler keeps these in registers, but an array in memory.
-    ox: Pair,
-    oy: Pair,
-    oz: Pair,
-    dx: Pair,
-    dy: Pair,
-    dz: Pair,
+    ox: F64x2,
+    oy: F64x2,
+    oz: F64x2,
+    dx: F64x2,
+    dy: F64x2,
+    dz: F64x2,
 }
 
 /// The images of two vertices, and their depths: the distances along the dominant axis.
 #[derive(Clone, Copy)]
 pub(crate) struct Images {
-    pub(crate) x: Pair,
-    pub(crate) y: Pair,
-    pub(crate) depth: Pair,
+    pub(crate) x: F64x2,
+    pub(crate) y: F64x2,
+    pub(crate) depth: F64x2,
 }
 
 impl RaySpace {
@@ -45,8 +45,8 @@ impl RaySpace {
         // Not by a table: so the compiler sees that they are axes.
         let (x, y) = (if z == 2 { 0 } else { z + 1 }, if z == 0 { 2 } else { z - 1 });
         let (o, d): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
-        let (x_of, y_of) = (Pair::widen(o[x], d[x]), Pair::widen(o[y], d[y]));
-        let z_of = Pair::widen(o[z], d[z]);
+        let (x_of, y_of) = (F64x2::widen(o[x], d[x]), F64x2::widen(o[y], d[y]));
+        let z_of = F64x2::widen(o[z], d[z]);
         Self {
             axes: [x, y, z],
             ox: x_of.firsts(x_of),
@@ -70,10 +70,10 @@ impl RaySpace {
         let [x, y, z] = self.axes;
         let (p, q): (&[f32; 3], &[f32; 3]) = (p.as_ref(), q.as_ref());
         let Self { ox, oy, oz, dx, dy, dz, .. } = *self;
-        let depth = Pair::widen(p[z], q[z]) - oz;
+        let depth = F64x2::widen(p[z], q[z]) - oz;
         Images {
-            x: (Pair::widen(p[x], q[x]) - ox) * dz - depth * dx,
-            y: (Pair::widen(p[y], q[y]) - oy) * dz - depth * dy,
+            x: (F64x2::widen(p[x], q[x]) - ox) * dz - depth * dx,
+            y: (F64x2::widen(p[y], q[y]) - oy) * dz - depth * dy,
             depth,
         }
     }
@@ -115,7 +115,7 @@ impl Images {
     /// Twice the signed areas of the triangles (ray, a vertex, the vertex of `to`): negated, to the last
     /// bit, if the two change places, so that it cannot disagree between two neighbours.
     #[inline(always)]
-    pub(crate) fn areas(&self, to: &Self) -> Pair {
+    pub(crate) fn areas(&self, to: &Self) -> F64x2 {
         self.x * to.y - to.x * self.y
     }
 
@@ -124,8 +124,8 @@ impl Images {
     /// The same for both directions of an edge. A closed outline crosses it an odd number of times exactly
     /// if the ray passes through it an odd number of times. (An end on the axis counts as above it.)
     #[inline(always)]
-    pub(crate) fn crosses(&self, to: &Self, areas: Pair) -> Mask {
-        let zero = Pair::splat(0.0);
+    pub(crate) fn crosses(&self, to: &Self, areas: F64x2) -> Mask {
+        let zero = F64x2::splat(0.0);
         let (above, to_above) = (zero.less_or_equal(self.y), zero.less_or_equal(to.y));
         above.differs(to_above).and(zero.less(areas.negated_unless(to_above)))
     }

@@ -19,12 +19,12 @@ use core::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::beside::{self, Start};
-use crate::double_double::{Double, Real};
-use crate::float::{CANCELLATION, round, rounding_error};
+use crate::double_double::{DoubleDouble, Real};
+use crate::filter::{CANCELLATION, FAR, Filtered, Solve, queries};
+use crate::float::{round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
-use crate::queries::{Common, Solve, queries};
+use crate::origin_side::{self, OriginSide};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// The points at distance `radius` from `center`.
@@ -70,14 +70,6 @@ pub(crate) struct Root {
     pub(crate) normal: DVec3,
 }
 
-/// The square of `2²⁵`, the distance in radii from which rays are solved with more digits; fewer radii by the
-/// root of the share of the discriminant that is left where they graze.
-///
-/// At a distance of `D` radii the moment of a ray is known to `2⁻⁵³ D` radii, and the discriminant, as a share of
-/// its terms, to twice that; half the chord, the root `h` of that share, to `2⁻⁵³ D / h`. So the normal is known
-/// to `2⁻²⁸`.
-pub(crate) const FAR: f64 = (1_u64 << 50) as f64;
-
 queries!(
     Sphere,
     /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
@@ -87,7 +79,7 @@ impl Solve for Sphere {
     type Root = Root;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root> {
+    fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let (c, r) = widen::ball(self.center, self.radius);
         let (o, d) = widen::ray(ray);
         let f = o - c;
@@ -98,7 +90,7 @@ impl Solve for Sphere {
         let grazing = CANCELLATION * square;
         // Written so that a NaN fails.
         if !(discriminant >= -grazing && r > 0.0) {
-            return Common::Miss;
+            return Filtered::Miss;
         }
         // Two reciprocals for one division, which runs beside the square root.
         let inverse = (a * r).recip();
@@ -109,32 +101,32 @@ impl Solve for Sphere {
         let (near, far) = (-b - root, -b + root);
         let product = (near * far).abs();
         if (discriminant <= grazing) | (product <= grazing) | (product > FAR * discriminant) {
-            return Common::Unsure;
+            return Filtered::Uncertain;
         }
         let (near, far) = (near * over_a, far * over_a);
         let Some((t, t64)) =
             ray.accept(near).map(|t| (t, near)).or_else(|| ray.accept(far).map(|t| (t, far)))
         else {
-            return Common::Miss;
+            return Filtered::Miss;
         };
         let from_center = f + t64 * d;
-        Common::Root(Root { t, from_center, normal: from_center * over_r })
+        Filtered::Hit(Root { t, from_center, normal: from_center * over_r })
     }
 
     /// For rays that graze or start next to the surface.
     #[cold]
     #[inline(never)]
-    fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
-        match beside::sphere(self, ray) {
-            Start::Leaving => return None,
-            Start::Inside => {
+    fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
+        match origin_side::of_sphere(self.center, self.radius, ray) {
+            OriginSide::Leaving => return None,
+            OriginSide::Inside => {
                 if let Some(exit) = self.solve_exit(ray) {
                     return exit;
                 }
             }
-            Start::Unknown => {}
+            OriginSide::Uncertain => {}
         }
-        self.solve_exactly(ray)
+        self.solve_in_double_double(ray)
     }
 
     #[inline(always)]
@@ -179,22 +171,23 @@ impl Sphere {
 
     /// With 106 bits.
     #[inline(never)]
-    pub(crate) fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
-        let exact = |p: Vec3| p.to_array().map(Double::exact);
-        let dot = |a: [Double; 3], b: [Double; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    pub(crate) fn solve_in_double_double(&self, ray: &Ray) -> Option<Root> {
+        let exact = |p: Vec3| p.to_array().map(DoubleDouble::exact);
+        let dot =
+            |a: [DoubleDouble; 3], b: [DoubleDouble; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (o, c, d) = (exact(ray.origin), exact(self.center), exact(ray.direction));
         let f = [o[0] - c[0], o[1] - c[1], o[2] - c[2]];
-        let r = Double::exact(self.radius);
+        let r = DoubleDouble::exact(self.radius);
         let (a, b, g) = (dot(d, d), dot(f, d), dot(f, f) - r * r);
         let w = [f[1] * d[2] - f[2] * d[1], f[2] * d[0] - f[0] * d[2], f[0] * d[1] - f[1] * d[0]];
         let discriminant = a * r * r - dot(w, w);
-        if discriminant < Double::ZERO || self.radius.is_nan() || self.radius <= 0.0 {
+        if discriminant < DoubleDouble::ZERO || self.radius.is_nan() || self.radius <= 0.0 {
             return None;
         }
         // Both terms of q have the sign of -b, so their sum does not cancel; the other root comes from
         // the product of the roots, g / a.
         let root = discriminant.square_root();
-        let roots = if b >= Double::ZERO {
+        let roots = if b >= DoubleDouble::ZERO {
             let q = -b - root;
             [q / a, g / q]
         } else {
@@ -262,4 +255,42 @@ fn direction(uv: Vec2) -> DVec3 {
     let (sin_u, cos_u) = (TAU * f64::from(uv.x)).sin_cos();
     let (sin_v, cos_v) = (PI * f64::from(uv.y)).sin_cos();
     DVec3::new(sin_v * cos_u, cos_v, sin_v * sin_u)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_random::Random;
+    use crate::test_rays::{aimed, spawned};
+
+    #[test]
+    fn rays_are_told_to_leave_a_sphere_or_start_inside_as_106_bits_do() {
+        let mut random = Random(0x9E37_79B9_7F4A_7C15);
+        let mut known = [0, 0];
+        let mut spawned_count = 0;
+        while spawned_count < 200_000 {
+            let size = random.power(4.0);
+            let center = random.in_cube() * random.power(4.0);
+            let sphere = Sphere { center, radius: size };
+            let Some(hit) = sphere.closest(&aimed(&mut random, center, size)) else { continue };
+            spawned_count += 1;
+            let ray = spawned(&mut random, &hit);
+            let exact = sphere.solve_in_double_double(&ray).map(|root| root.t);
+            match origin_side::of_sphere(center, size, &ray) {
+                OriginSide::Leaving => assert_eq!(exact, None, "{sphere:?} {ray:?}"),
+                OriginSide::Inside => {
+                    let exit = Ray { t_min: ray.t_min.max(f32::MIN_POSITIVE), ..ray };
+                    let last = sphere.solve_in_double_double(&exit).map(|root| root.t);
+                    assert_eq!(exact, last, "{sphere:?} {ray:?}");
+                    let found = sphere.closest_t(&ray);
+                    let near = |t: f32| found == Some(t) || found == Some(t.next_up());
+                    let agrees = exact.map_or(found.is_none(), |t| near(t) || near(t.next_down()));
+                    assert!(agrees, "{sphere:?} {ray:?} {exact:?} {found:?}");
+                }
+                OriginSide::Uncertain => continue,
+            }
+            known[usize::from(exact.is_some())] += 1;
+        }
+        assert!(known[0] > 60_000 && known[1] > 40_000, "{known:?}");
+    }
 }

@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::f64x2::{F64x2, Mask};
+use crate::filter::{Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
-use crate::pair::{Mask, Pair};
-use crate::queries::{Common, Solve, queries};
 use crate::ray_space::{Images, RaySpace};
 use crate::{Aabb, Hit, Ray};
 
@@ -37,10 +37,10 @@ pub(crate) struct Root {
 pub(crate) struct Crossings {
     /// Which of the two it meets; the rest holds for these.
     pub(crate) exist: Mask,
-    pub(crate) depth: Pair,
+    pub(crate) depth: F64x2,
     /// The weights of the second and of the third corner.
-    pub(crate) u: Pair,
-    pub(crate) v: Pair,
+    pub(crate) u: F64x2,
+    pub(crate) v: F64x2,
 }
 
 impl Crossings {
@@ -50,12 +50,12 @@ impl Crossings {
         // The weight of each corner is the area that the ray spans with the opposite edge.
         let (w0, w1, w2) = (p1.areas(p2), p2.areas(p0), p0.areas(p1));
         let odd = p1.crosses(p2, w0).differs(p2.crosses(p0, w1)).differs(p0.crosses(p1, w2));
-        let (zero, one) = (Pair::splat(0.0), Pair::splat(1.0));
+        let (zero, one) = (F64x2::splat(0.0), F64x2::splat(1.0));
         let sum = w0 + w1 + w2;
-        let exist = odd.and(zero.less(sum.abs())).and(sum.abs().less(Pair::splat(f64::INFINITY)));
+        let exist = odd.and(zero.less(sum.abs())).and(sum.abs().less(F64x2::splat(f64::INFINITY)));
         let over = one / sum;
         let depth = (w0 * p0.depth + w1 * p1.depth + w2 * p2.depth) * over;
-        let share = |w: Pair| (w * over).max(zero).min(one);
+        let share = |w: F64x2| (w * over).max(zero).min(one);
         Self { exist, depth, u: share(w1), v: share(w2) }
     }
 }
@@ -69,7 +69,7 @@ impl Solve for Triangle {
     type Root = Root;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root> {
+    fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let space = RaySpace::new(ray);
         // Not by a closure: it would be compiled without the instructions of the tree that calls this, and be called.
         let p0 = space.project(&self.p0, &self.p0);
@@ -77,7 +77,7 @@ impl Solve for Triangle {
         let p2 = space.project(&self.p2, &self.p2);
         let found = Crossings::of(&p0, &p1, &p2);
         if !found.exist.any() {
-            return Common::Miss;
+            return Filtered::Miss;
         }
         let (u, v) = (found.u.first(), found.v.first());
         ray.accept(space.t(found.depth.first())).map(|t| Root { t, u, v }).into()

@@ -8,11 +8,11 @@
 use glam::{DVec3, Vec3};
 
 use crate::Ray;
-use crate::pair::Pair;
+use crate::f64x2::F64x2;
 
 #[inline(always)]
 fn pair(x: f32, y: f32) -> [f64; 2] {
-    Pair::widen(x, y).to_array()
+    F64x2::widen(x, y).to_array()
 }
 
 /// A point and its radius.

@@ -2,10 +2,10 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::filter::{Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
-use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// A segment that a ray hits where the two come closest, if that is within the radius there.
@@ -56,7 +56,7 @@ impl Solve for Line {
     type Root = Root;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root> {
+    fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
         let (o, d) = widen::ray(ray);
         let (e, f) = (p1 - p0, p0 - o);
@@ -73,9 +73,9 @@ impl Solve for Line {
         let r = r0 + s * (r1 - r0);
         // Written so that a NaN, and with it a zero determinant, fails.
         if !(distance2 <= r * r && r > 0.0 && determinant > 0.0) {
-            return Common::Miss;
+            return Filtered::Miss;
         }
-        let Some(t) = ray.accept(t) else { return Common::Miss };
+        let Some(t) = ray.accept(t) else { return Filtered::Miss };
         // A ray that has just left the segment comes closest near its start: see `Point`.
         let start = 4.0 * f64::from(rounding_error(self.p0.abs().max(self.p1.abs())));
         let (along, length2) = (-f.dot(e), e.dot(e));
@@ -87,9 +87,9 @@ impl Solve for Line {
             turned.dot(turned) / length2
         };
         if from_start <= start * start {
-            return Common::Miss;
+            return Filtered::Miss;
         }
-        Common::Root(Root { t, s, distance2, r })
+        Filtered::Hit(Root { t, s, distance2, r })
     }
 
     #[inline(always)]

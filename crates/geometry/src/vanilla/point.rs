@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::filter::{Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
-use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};
 
 /// A point that a ray hits where it comes closest, if that is within `radius`.
@@ -34,7 +34,7 @@ impl Solve for Point {
     type Root = f32;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<f32> {
+    fn filter(&self, ray: &Ray) -> Filtered<f32> {
         let (c, r) = widen::ball(self.center, self.radius);
         let (o, d) = widen::ray(ray);
         let f = c - o;
@@ -42,13 +42,13 @@ impl Solve for Point {
         let w = f.cross(d);
         // Written so that a NaN fails.
         if !(w.dot(w) <= a * r * r && r > 0.0) {
-            return Common::Miss;
+            return Filtered::Miss;
         }
         // A ray that has just left the point comes closest where it starts: rounding decides on which
         // side. It must not hit the point again.
         let start = 4.0 * f64::from(rounding_error(self.center));
         if f.dot(f) <= start * start {
-            return Common::Miss;
+            return Filtered::Miss;
         }
         ray.accept(f.dot(d) / a).into()
     }

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::filter::{Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
-use crate::queries::{Common, Solve, queries};
 use crate::ray_space::RaySpace;
 use crate::triangle::Crossings;
 use crate::{Aabb, Hit, Ray, Triangle};
@@ -46,14 +46,14 @@ impl Solve for Quad {
     type Root = Root;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root> {
+    fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let space = RaySpace::new(ray);
         // Of the first triangle, and of the second.
         let (p0, p1) = (space.project(&self.p0, &self.p2), space.project(&self.p1, &self.p3));
         let Crossings { exist, depth, u, v } = Crossings::of(&p0, &p1, &p1.swapped());
         let exist = exist.bits();
         if exist == 0 || !self.is_finite() {
-            return Common::Miss;
+            return Filtered::Miss;
         }
         let [first, second] = depth.to_array().map(|depth| ray.accept(space.t(depth)));
         let (first, second) = (first.filter(|_| exist & 1 != 0), second.filter(|_| exist & 2 != 0));

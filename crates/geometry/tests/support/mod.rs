@@ -1,43 +1,15 @@
 //! What the tests share: seeded random numbers, hard rays, and arithmetic of 106 bits.
-#![allow(dead_code, reason = "each test file uses a part")]
+#![allow(dead_code, unused_imports, reason = "each test file uses a part")]
+
+#[path = "../../src/test_random.rs"]
+mod random;
 
 use core::ops::{Add, Mul, Neg, Sub};
 
 use rotund_geometry::Ray;
 use rotund_geometry::glam::{DVec3, Vec3};
 
-/// splitmix64: the same numbers on every machine.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    pub(crate) fn range(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    pub(crate) fn direction(&mut self) -> DVec3 {
-        let (z, angle) = (self.range(-1.0, 1.0), self.range(0.0, core::f64::consts::TAU));
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * angle.cos(), r * angle.sin(), z)
-    }
-
-    /// A unit vector across `axis`.
-    pub(crate) fn across(&mut self, axis: DVec3) -> DVec3 {
-        loop {
-            let v = self.direction();
-            let v = v - axis * (v.dot(axis) / axis.length_squared());
-            if v.length() > 0.1 {
-                return v.normalize();
-            }
-        }
-    }
-}
+pub(crate) use random::Random;
 
 pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
     Ray::new(origin.as_vec3(), direction.as_vec3())

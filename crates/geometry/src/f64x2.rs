@@ -14,13 +14,13 @@ use core::ops::{Add, Div, Mul, Sub};
 
 /// Two numbers.
 #[derive(Clone, Copy)]
-pub(crate) struct Pair(lanes::Lanes);
+pub(crate) struct F64x2(lanes::Lanes);
 
 /// Two truths.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask(lanes::Lanes);
 
-impl Pair {
+impl F64x2 {
     #[inline(always)]
     pub(crate) fn new(first: f64, second: f64) -> Self {
         Self(lanes::new(first, second))
@@ -115,8 +115,8 @@ impl Pair {
 impl Mask {
     /// `yes` where true, `no` where false.
     #[inline(always)]
-    pub(crate) fn select(self, yes: Pair, no: Pair) -> Pair {
-        Pair(lanes::or(lanes::and(self.0, yes.0), lanes::and_not(self.0, no.0)))
+    pub(crate) fn select(self, yes: F64x2, no: F64x2) -> F64x2 {
+        F64x2(lanes::or(lanes::and(self.0, yes.0), lanes::and_not(self.0, no.0)))
     }
 
     #[inline(always)]
@@ -161,7 +161,7 @@ impl Mask {
 
 macro_rules! operator {
     ($trait:ident, $name:ident) => {
-        impl $trait for Pair {
+        impl $trait for F64x2 {
             type Output = Self;
 
             #[inline(always)]

@@ -5,11 +5,12 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::beside::{self, Start};
-use crate::double_double::{Double, Real};
-use crate::float::CANCELLATION;
-use crate::sphere::FAR;
-use crate::{Ray, RoundedCone};
+use crate::Ray;
+use crate::double_double::{DoubleDouble, Real};
+use crate::filter::{CANCELLATION, FAR};
+use crate::origin_side::{self, OriginSide};
+
+use super::RoundedCone;
 
 /// A crossing: `t`, the ball it belongs to, and the point seen from the centre of that ball.
 pub(crate) struct Crossing {
@@ -34,20 +35,25 @@ enum Attempt {
 
 /// The first crossing with `t` in the interval, with `f64` if they can tell.
 pub(crate) fn solve(cone: &RoundedCone, ray: &Ray) -> Option<Crossing> {
-    let ends: &[End] = match beside::rounded_cone(cone, ray) {
-        Start::Leaving => return None,
-        Start::Inside => &[End::Exit],
-        Start::Unknown => &[End::Entry, End::Exit],
-    };
+    let ends: &[End] =
+        match origin_side::of_rounded_cone([(cone.p0, cone.r0), (cone.p1, cone.r1)], ray) {
+            OriginSide::Leaving => return None,
+            OriginSide::Inside => &[End::Exit],
+            OriginSide::Uncertain => &[End::Entry, End::Exit],
+        };
     match attempt::<f64>(cone, ray, CANCELLATION, ends) {
         Attempt::Found(crossing) => crossing,
-        Attempt::TooFewDigits => solve_exactly(cone, ray, ends),
+        Attempt::TooFewDigits => solve_in_double_double(cone, ray, ends),
     }
 }
 
 /// The first crossing of some ends, with 106 bits.
-pub(crate) fn solve_exactly(cone: &RoundedCone, ray: &Ray, ends: &[End]) -> Option<Crossing> {
-    match attempt::<Double>(cone, ray, 0.0, ends) {
+pub(crate) fn solve_in_double_double(
+    cone: &RoundedCone,
+    ray: &Ray,
+    ends: &[End],
+) -> Option<Crossing> {
+    match attempt::<DoubleDouble>(cone, ray, 0.0, ends) {
         Attempt::Found(crossing) => crossing,
         Attempt::TooFewDigits => None,
     }
@@ -180,4 +186,45 @@ fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
 
 fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_random::Random;
+    use crate::test_rays::{aimed, spawned};
+
+    #[test]
+    fn rays_are_told_to_leave_a_cone_or_start_inside_as_106_bits_do() {
+        let mut random = Random(0xD1B5_4A32_D192_ED03);
+        let mut known = [0, 0];
+        let mut spawned_count = 0;
+        while spawned_count < 200_000 {
+            let size = random.power(3.0);
+            let p0 = random.in_cube() * random.power(3.0);
+            let p1 = p0 + size * random.power(1.5) * random.in_cube();
+            let (r0, r1) = (size * random.power(1.0), size * random.power(1.0));
+            let cone = RoundedCone { p0, r0, p1, r1 };
+            let (rho, length) =
+                (f64::from(r0) - f64::from(r1), p0.as_dvec3().distance(p1.as_dvec3()));
+            let at = if random.signed() < 0.0 { p0 } else { p1 };
+            let Some(hit) = cone.closest(&aimed(&mut random, at, r0.min(r1))) else { continue };
+            if length <= rho.abs() {
+                continue;
+            }
+            spawned_count += 1;
+            let ray = spawned(&mut random, &hit);
+            let exact = solve_in_double_double(&cone, &ray, &[End::Entry, End::Exit]).map(|c| c.t);
+            match origin_side::of_rounded_cone([(p0, r0), (p1, r1)], &ray) {
+                OriginSide::Leaving => assert_eq!(exact, None, "{cone:?} {ray:?}"),
+                OriginSide::Inside => {
+                    let exit = solve_in_double_double(&cone, &ray, &[End::Exit]).map(|c| c.t);
+                    assert_eq!(exact, exit, "{cone:?} {ray:?}");
+                }
+                OriginSide::Uncertain => continue,
+            }
+            known[usize::from(exact.is_some())] += 1;
+        }
+        assert!(known[0] > 60_000 && known[1] > 40_000, "{known:?}");
+    }
 }

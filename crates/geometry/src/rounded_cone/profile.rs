@@ -4,10 +4,11 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec3, Vec2};
 
-use crate::RoundedCone;
 use crate::basis::across;
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
+
+use super::RoundedCone;
 
 /// The curve that sweeps the surface when it turns about the axis, and the frame it turns in.
 ///

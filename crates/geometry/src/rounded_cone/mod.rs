@@ -37,16 +37,18 @@
 //!
 //! Source: I. Quilez, "Rounded cone intersection", 2018, for the quadratic (`k2`, `y`, `d2` are his).
 
+mod exact;
+mod profile;
+
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::careful_cone::{self, Crossing};
-use crate::float::{CANCELLATION, round, rounding_error};
+use crate::filter::{CANCELLATION, FAR, Filtered, Solve, queries};
+use crate::float::{round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
-use crate::profile::Profile;
-use crate::queries::{Common, Solve, queries};
-use crate::sphere::FAR;
 use crate::{Aabb, Hit, Ray, Sphere, widen};
+use exact::Crossing;
+use profile::Profile;
 
 /// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`.
 ///
@@ -106,9 +108,9 @@ queries!(
 impl Solve for RoundedCone {
     type Root = Root;
 
-    /// The entry, if the ray is outside; an exit is left to [`Self::solve_carefully`].
+    /// The entry, if the ray is outside; an exit is left to [`Self::solve_exactly`].
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root> {
+    fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
         let (o, d) = widen::ray(ray);
         let (e, f) = (p1 - p0, o - p0);
@@ -123,7 +125,11 @@ impl Solve for RoundedCone {
         let grazing = CANCELLATION * moment2;
         // Written so that a NaN fails.
         if !(discriminant > grazing && d2 > 0.0) {
-            return if d2 > 0.0 && discriminant < -grazing { Common::Miss } else { Common::Unsure };
+            return if d2 > 0.0 && discriminant < -grazing {
+                Filtered::Miss
+            } else {
+                Filtered::Uncertain
+            };
         }
         let (a, b, m) = (d.dot(d), f.dot(d), d.dot(e));
         let width = a * d2;
@@ -147,7 +153,7 @@ impl Solve for RoundedCone {
         let slim = d2 > 1e12 * (thinnest * thinnest);
         let near = b * b * moment2 < FAR * (thinnest * thinnest) * a * discriminant;
         if !((k2 > 0.0) & (thinnest > 0.0) & !slim & near) {
-            return Common::Unsure;
+            return Filtered::Uncertain;
         }
         let (t64, from_ball, s, radius);
         if y >= 0.0 && y <= width {
@@ -156,7 +162,7 @@ impl Solve for RoundedCone {
             // share of its terms, which cancel where the ray starts beside `p0`.
             let scale = spread * moment2 + f.abs().dot(d.abs()) * k2 * discriminant;
             if difference.abs() * k2 * discriminant < CANCELLATION * scale {
-                return Common::Unsure;
+                return Filtered::Uncertain;
             }
             t64 = difference * over_a;
             s = y * inverse;
@@ -175,31 +181,31 @@ impl Solve for RoundedCone {
             let chord = square - passing;
             let grazing = CANCELLATION * square;
             if chord < -grazing {
-                return Common::Miss;
+                return Filtered::Miss;
             }
             let root = chord.sqrt();
             let (near, far) = (-along - root, -along + root);
             if (chord <= grazing) | ((near * far).abs() <= grazing) {
-                return Common::Unsure;
+                return Filtered::Uncertain;
             }
             t64 = near * over_a;
             from_ball = center + t64 * d;
         }
         match ray.accept(t64) {
-            Some(t) => Common::Root(Root { t, from_ball, s, normal: from_ball * radius.recip() }),
-            None if t64 as f32 > ray.t_max => Common::Miss,
-            None => Common::Unsure,
+            Some(t) => Filtered::Hit(Root { t, from_ball, s, normal: from_ball * radius.recip() }),
+            None if t64 as f32 > ray.t_max => Filtered::Miss,
+            None => Filtered::Uncertain,
         }
     }
 
     /// Entry and exit in every case.
     #[cold]
     #[inline(never)]
-    fn solve_carefully(&self, ray: &Ray) -> Option<Root> {
+    fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
         if self.is_one_ball() {
             return self.solve_larger_ball(ray);
         }
-        let Crossing { t, s, from_ball } = careful_cone::solve(self, ray)?;
+        let Crossing { t, s, from_ball } = exact::solve(self, ray)?;
         let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
         let normal = from_ball / radius;
         let square = normal.dot(normal);
@@ -248,10 +254,10 @@ impl RoundedCone {
         if !(self.r0.min(self.r1) >= 0.0 && self.p0.is_finite() && self.p1.is_finite()) {
             return None;
         }
-        let root = match ball.solve(ray) {
-            Common::Root(root) => root,
-            Common::Miss => return None,
-            Common::Unsure => ball.solve_carefully(ray)?,
+        let root = match ball.filter(ray) {
+            Filtered::Hit(root) => root,
+            Filtered::Miss => return None,
+            Filtered::Uncertain => ball.solve_exactly(ray)?,
         };
         Some(Root { t: root.t, s, from_ball: root.from_center, normal: root.normal })
     }

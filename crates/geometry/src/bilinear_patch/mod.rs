@@ -1,13 +1,20 @@
-//! The bilinear patch: what it is, and its points. How a ray meets it is in `patch_solver.rs`.
+//! The bilinear patch: its definition and its points.
+//!
+//! `image.rs` derives the intersection with a ray, `filter.rs` is its floating-point filter and `exact.rs` its
+//! exact evaluation.
+
+mod exact;
+mod filter;
+mod image;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::filter::{Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
-use crate::patch_solver::{self, Root};
-use crate::queries::{Common, Solve, queries};
 use crate::{Aabb, Hit, Ray, widen};
+use image::Root;
 
 /// The surface of all points `(1-u)(1-v) p00 + u(1-v) p10 + (1-u)v p01 + uv p11`, `u, v` in `0..=1`.
 ///
@@ -63,14 +70,14 @@ impl Solve for BilinearPatch {
     type Root = Root<f32>;
 
     #[inline(always)]
-    fn solve(&self, ray: &Ray) -> Common<Root<f32>> {
-        patch_solver::solve(self, ray)
+    fn filter(&self, ray: &Ray) -> Filtered<Root<f32>> {
+        filter::filter(self, ray)
     }
 
     #[cold]
     #[inline(never)]
-    fn solve_carefully(&self, ray: &Ray) -> Option<Root<f32>> {
-        patch_solver::solve_carefully(self, ray)
+    fn solve_exactly(&self, ray: &Ray) -> Option<Root<f32>> {
+        exact::solve(self, ray)
     }
 
     #[inline(always)]
