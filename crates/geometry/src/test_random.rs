@@ -1,5 +1,5 @@
-//! Seeded random numbers for the tests and benches of this crate and of `rotund-bvh`, which include this
-//! file by its path.
+//! Seeded random numbers for the tests and benches of this crate and of `rotund-bvh`, which include
+//! this file by its path.
 #![allow(dead_code, reason = "each of them uses a part")]
 
 use glam::{DVec3, Vec3};

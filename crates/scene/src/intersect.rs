@@ -1,7 +1,9 @@
 //! Rays through a scene: a tree over instances, and under each a tree over the elements of its shape.
 
-use crate::{ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame};
-use glam::{Affine3A, Vec2, Vec3};
+use crate::{
+    ElementKind, Elements, Instance, Method, Scene, SceneError, SceneHit, Shape, frame::Frame,
+};
+use glam::Affine3A;
 use rayon::prelude::*;
 use rotund_bvh::{
     Bvh, ConeTree, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree,
@@ -92,38 +94,15 @@ impl Placement {
     }
 }
 
-/// Where a ray meets a scene, in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneHit {
-    /// Index into [`Scene::instances`].
-    pub instance: u32,
-    /// Index into the elements of the instance's shape.
-    pub element: u32,
-    /// Parameters of the element, which with it name the point: `scene.eval_position` gives back
-    /// `position`, except under vanilla methods whose place depends on the ray (points, and lines
-    /// across).
-    pub uv: Vec2,
-    /// Position along the ray, in units of its direction.
-    pub t: f32,
-    /// The point, within `error` of the surface.
-    pub position: Vec3,
-    /// Geometric normal: unit length, out of the solid whichever side the ray came from.
-    pub normal: Vec3,
-    /// How far along `normal` a ray has to start from `position` in order not to meet the surface
-    /// again: what [`rotund_geometry::leave_surface`] asks for. It covers the rounding of the way to
-    /// object space and back.
-    pub error: f32,
-}
-
 impl Trees {
     /// Builds all trees, on all threads of the current rayon pool; the result does not depend on how
     /// many there are.
     ///
-    /// # Panics
+    /// # Errors
     ///
-    /// If an index in the scene is out of range.
-    #[must_use]
-    pub fn build(scene: &Scene) -> Self {
+    /// If the scene is not valid: see [`Scene::validate`], which comes first.
+    pub fn build(scene: &Scene) -> Result<Self, SceneError> {
+        scene.validate()?;
         let mut trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
         let parts = parts(scene);
         let place = |&(instance, part): &(u32, &[Instance])| {
@@ -144,7 +123,7 @@ impl Trees {
             shared.push(starts);
         }
         let upper = Bvh::build(&boxes);
-        Self { upper, placements, trees, shared, route: Route::default() }
+        Ok(Self { upper, placements, trees, shared, route: Route::default() })
     }
 
     /// The same trees, walked with these instructions: the answers are the same, to the bit.
