@@ -1,65 +1,53 @@
-//! The tree over plain boxes.
+//! The tree over boxes, for any primitive.
 
 use crate::build::build;
-use crate::found::Found;
+use crate::found::{Found, PrimitiveHit};
 use crate::isa::Isa;
 use crate::node::{Child, Tree};
-use crate::record::finite_part;
+use crate::prim_ref::finite_part;
 use crate::refit::RefitError;
-use crate::simd::{Simd, Task};
+use crate::simd::{Simd, WithSimd};
 use crate::slab::SlabRay;
 use crate::traverse;
-use rotund_geometry::{Aabb, Ray};
+use rotund_geometry::{Aabb, Primitive, Ray};
 
-/// A tree over boxes, each known by its index in the slice the tree was built from. What is inside
-/// a box is the business of the closures given to [`Bvh::closest`] and [`Bvh::any`].
+/// A tree over boxes, for primitives of your own.
 ///
-/// Every primitive must lie inside its box; one that reaches out may be missed. A box that is empty
-/// or has a NaN is never visited, and so is not in [`Bvh::bounds`]. A tree over trees needs nothing
-/// more: the closure moves the ray and asks another tree.
+/// Each primitive is known by its index in the slice that the tree was built from, and must lie
+/// inside its box; the parts outside may be missed. Empty boxes and boxes with a NaN are never
+/// visited, and are not in [`Bvh::bounds`].
+///
+/// There are two ways to query it:
+///
+/// - [`closest_of`](Self::closest_of) and [`any_of`](Self::any_of), over a slice of a type that
+///   implements [`Primitive`];
+/// - [`closest`](Self::closest) and [`any`](Self::any), which call back with ids, over anything
+///   else. A tree over trees is an example: the callback transforms the ray and queries another
+///   tree.
+///
+/// For spheres, rounded cones, bilinear patches and triangles, [`crate::SphereTree`],
+/// [`crate::ConeTree`], [`crate::PatchTree`] and [`crate::TriangleTree`] are faster.
 ///
 /// ```
 /// use rotund_bvh::Bvh;
-/// use rotund_geometry::{Aabb, Ray, glam::Vec3};
+/// use rotund_bvh::geometry::{Aabb, Ray, glam::Vec3};
 ///
-/// /// A torus about the z axis. `intersect` marches along the ray.
-/// struct Torus { center: Vec3, major: f32, minor: f32 }
-///
-/// impl Torus {
-///     fn bounds(&self) -> Aabb {
-///         let half = Vec3::new(self.major + self.minor, self.major + self.minor, self.minor);
-///         Aabb { min: self.center - half, max: self.center + half }
-///     }
-///
-///     fn intersect(&self, ray: &Ray) -> Option<f32> {
-///         let mut t = ray.t_min;
-///         for _ in 0..256 {
-///             let p = ray.at(t) - self.center;
-///             let distance = (p.truncate().length() - self.major).hypot(p.z) - self.minor;
-///             if distance < 1e-5 {
-///                 return Some(t);
-///             }
-///             t += distance / ray.direction.length();
-///             if t > ray.t_max {
-///                 break;
-///             }
-///         }
-///         None
-///     }
-/// }
-///
-/// let tori: Vec<Torus> = (0..100)
-///     .map(|i| Torus { center: Vec3::new(3.0 * i as f32, 0.0, 0.0), major: 1.0, minor: 0.25 })
+/// // Cubes about points of the x axis, picked by a ray.
+/// let boxes: Vec<Aabb> = (0..100)
+///     .map(|i| 3.0 * Vec3::X * i as f32)
+///     .map(|center| Aabb { min: center - 1.0, max: center + 1.0 })
 ///     .collect();
-/// let boxes: Vec<Aabb> = tori.iter().map(Torus::bounds).collect();
 /// let bvh = Bvh::build(&boxes);
 ///
-/// let down_at_the_seventh = Ray::new(Vec3::new(22.0, 0.0, 5.0), Vec3::NEG_Z);
-/// let found = bvh
-///     .closest(&down_at_the_seventh, |id, ray| Some((tori[id as usize].intersect(ray)?, ())))
-///     .expect("the ray was aimed at the ring");
-/// assert_eq!(found.id, 7);
-/// assert!((found.t - 4.75).abs() < 1e-4);
+/// let ray = Ray::new(Vec3::new(21.5, 0.0, 5.0), Vec3::NEG_Z);
+/// let top_face = |id: u32, ray: &Ray| {
+///     let t = (boxes[id as usize].max.z - ray.origin.z) / ray.direction.z;
+///     let point = ray.at(t);
+///     let inside = (point - boxes[id as usize].center()).abs().truncate().max_element() <= 1.0;
+///     inside.then_some((t, point)) // the tree ignores a `t` outside the interval
+/// };
+/// let found = bvh.closest(&ray, top_face).expect("the ray is aimed at a cube");
+/// assert_eq!((found.id, found.t, found.value), (7, 4.0, Vec3::new(21.5, 0.0, 1.0)));
 /// ```
 #[derive(Clone, Debug)]
 pub struct Bvh {
@@ -68,17 +56,32 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds a tree over `boxes` on all threads of the current rayon pool. The tree does not depend
-    /// on their number.
+    /// Builds a tree over `boxes` on all threads of the current rayon pool. The tree does not
+    /// depend on their number.
     ///
     /// # Panics
     ///
     /// If there are more than [`crate::MAX_PRIMITIVES`].
     #[must_use]
     pub fn build(boxes: &[Aabb]) -> Self {
-        // A closure may be dear, so each box is looked at before its closure is called.
-        let built = build(boxes.len(), |id| boxes[id as usize], 1);
-        // A leaf is one box: name the box itself and forget the leaves.
+        Self::build_by(boxes.len(), |id| boxes[id as usize])
+    }
+
+    /// Builds a tree over the bounds of `primitives`, for [`Bvh::closest_of`] and [`Bvh::any_of`].
+    ///
+    /// # Panics
+    ///
+    /// If there are more than [`crate::MAX_PRIMITIVES`].
+    #[must_use]
+    pub fn build_of<P: Primitive + Sync>(primitives: &[P]) -> Self {
+        Self::build_by(primitives.len(), |id| primitives[id as usize].bounds())
+    }
+
+    fn build_by(count: usize, bounds: impl Fn(u32) -> Aabb + Sync) -> Self {
+        // Callbacks may be expensive, so each primitive is a leaf whose box is tested before the
+        // call.
+        let built = build(count, bounds, 1);
+        // The index of a leaf becomes the id of its primitive, and the leaves are not needed.
         let id = |child: Child| match child {
             Child::NONE => child,
             leaf if leaf.is_leaf() => {
@@ -99,22 +102,23 @@ impl Bvh {
         self.tree.bounds
     }
 
-    /// Moves the boxes of the tree to new places: `boxes[i]` is the new box of the primitive `i`. The bounds of
-    /// all nodes are recomputed bottom-up; the topology stays.
+    /// Moves the boxes: `boxes[i]` becomes the box of primitive `i`. The bounds of all nodes are
+    /// recomputed bottom-up; the topology of the tree stays.
     ///
-    /// Answers are those of a tree built anew. Their cost is not: neighbours in the tree that move apart make its
-    /// nodes overlap, and rays visit more of them. Refit while primitives move together or by less than the size
-    /// of a leaf; build a new tree once queries have become slower than a build is worth. A refit takes
-    /// a small part of the time of a build.
+    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart,
+    /// nodes grow and overlap, and rays visit more of them. Refit while primitives move together,
+    /// or by a few of their sizes; build a new tree when queries have slowed down by more than a
+    /// build costs. A refit takes a small part of the time of a build.
     ///
     /// # Errors
     ///
-    /// If there are more or fewer boxes than the tree was built from, or if a box that was empty is not any more or the
-    /// reverse. The tree is then as it was. (A box with a NaN is empty.)
+    /// If the number of boxes is not that of the build, or if a box that was empty at the build is
+    /// not empty now or the reverse (a box with a NaN counts as empty). The tree is then as it was
+    /// before the call.
     pub fn refit(&mut self, boxes: &[Aabb]) -> Result<(), RefitError> {
         let leaves = self.tree.nodes.iter().flat_map(|node| &node.children);
-        let ids = leaves.filter(|child| child.is_leaf() && **child != Child::NONE);
-        let ids = ids.map(|child| child.index() as u32);
+        let leaves = leaves.filter(|child| child.is_leaf() && **child != Child::NONE);
+        let ids = leaves.map(|leaf| leaf.index() as u32);
         let is_empty = |id: u32| finite_part(boxes[id as usize]).is_none();
         let any_empty = || ids.clone().any(is_empty);
         self.tree.check_refit(boxes.len(), any_empty, ids.clone(), is_empty)?;
@@ -122,15 +126,60 @@ impl Bvh {
         Ok(())
     }
 
-    /// Returns the hit with the smallest `t`, of those the one with the smallest id, and what `test`
-    /// gave with it.
+    /// Returns the primitive that the ray hits with the smallest `t`, and the hit: the answer of a
+    /// loop over all primitives. A tie goes to the lowest id.
     ///
-    /// `test` is given an id and the ray, and returns where the ray meets that primitive, with
-    /// `t` in `ray.t_min..=ray.t_max`; other answers, also NaN, count as a miss. The `t_max` of the
-    /// ray it is given shrinks to the closest hit so far. Ids come in no particular order, roughly
-    /// from near to far, each at most once.
+    /// `primitives` are those that the tree was built over, or refitted to, in the same order.
     ///
-    /// A ray whose origin or direction is not finite, or whose direction is zero, meets nothing.
+    /// A ray whose origin or direction is not finite, or whose direction is zero, hits nothing.
+    ///
+    /// # Panics
+    ///
+    /// If the number of primitives is not that of the build.
+    #[must_use]
+    #[inline]
+    pub fn closest_of<P: Primitive>(&self, primitives: &[P], ray: &Ray) -> Option<PrimitiveHit> {
+        self.check_count(primitives.len());
+        let test = |id: u32, ray: &Ray| {
+            let hit = primitives[id as usize].closest(ray)?;
+            Some((hit.t, hit))
+        };
+        let found = self.closest(ray, test)?;
+        Some(PrimitiveHit { id: found.id, hit: found.value })
+    }
+
+    /// Returns whether the ray hits any of `primitives`, that is, whether [`Bvh::closest_of`] finds
+    /// one.
+    ///
+    /// # Panics
+    ///
+    /// If the number of primitives is not that of the build.
+    #[must_use]
+    #[inline]
+    pub fn any_of<P: Primitive>(&self, primitives: &[P], ray: &Ray) -> bool {
+        self.check_count(primitives.len());
+        self.any(ray, |id, ray| primitives[id as usize].any(ray))
+    }
+
+    #[inline]
+    fn check_count(&self, given: usize) {
+        let built = self.tree.source_count;
+        assert!(
+            given == built,
+            "the tree was built over {built} primitives and is queried with {given}"
+        );
+    }
+
+    /// Returns the hit with the smallest `t`, and the value that `test` returned with it. A tie
+    /// goes to the lowest id.
+    ///
+    /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit
+    /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
+    /// outside the interval, or NaN, counts as a miss. The `t_max` of the ray in the call is that
+    /// of the closest hit so far. Ids come in no particular order, roughly from near to far, each
+    /// at most once.
+    ///
+    /// A ray whose origin or direction is not finite, or whose direction is zero, hits nothing.
     #[inline]
     pub fn closest<T>(
         &self,
@@ -138,36 +187,42 @@ impl Bvh {
         mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
     ) -> Option<Found<T>> {
         let slab_ray = SlabRay::new(ray)?;
-        let mut visitor =
-            FindClosest { slab_ray: &slab_ray, ray, shrinking: *ray, best: None, test: &mut test };
-        self.isa.run(WalkClosest { tree: &self.tree, visitor: &mut visitor });
+        let mut visitor = ClosestVisitor {
+            slab_ray: &slab_ray,
+            ray,
+            shrinking: *ray,
+            best: None,
+            test: &mut test,
+        };
+        self.isa.run(TraverseClosest { tree: &self.tree, visitor: &mut visitor });
         visitor.best
     }
 
-    /// True if `test` is true for any primitive whose box the ray meets.
+    /// Returns whether `test` returns true for any primitive whose box the ray meets.
     ///
-    /// Ids come in no particular order, each at most once, until one answers true.
+    /// `test` is called with the id of a primitive and the ray, in no particular order, each id at
+    /// most once, until it returns true.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
         let Some(slab_ray) = SlabRay::new(ray) else { return false };
-        let visitor = FindAny { ray, test: &mut test };
-        self.isa.run(WalkAny { tree: &self.tree, slab_ray: &slab_ray, visitor })
+        let visitor = AnyVisitor { ray, test: &mut test };
+        self.isa.run(TraverseAny { tree: &self.tree, slab_ray: &slab_ray, visitor })
     }
 
-    /// The instruction set that this tree is walked with.
+    /// The instruction set of traversal.
     #[must_use]
     pub fn isa(&self) -> Isa {
         self.isa
     }
 
-    /// The same tree, walked with another instruction set. The answers are the same.
+    /// The same tree, traversed with another instruction set. The answers are the same.
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
         Self { isa, ..self }
     }
 }
 
-struct FindClosest<'a, T, F> {
+struct ClosestVisitor<'a, T, F> {
     slab_ray: &'a SlabRay,
     ray: &'a Ray,
     shrinking: Ray,
@@ -175,10 +230,10 @@ struct FindClosest<'a, T, F> {
     test: &'a mut F,
 }
 
-impl<S: Simd, T, F> traverse::Leaves<S> for FindClosest<'_, T, F> {}
+impl<S: Simd, T, F> traverse::LeafVisitor<S> for ClosestVisitor<'_, T, F> {}
 
-impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest<S>
-    for FindClosest<'_, T, F>
+impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::ClosestVisitor<S>
+    for ClosestVisitor<'_, T, F>
 {
     #[inline(always)]
     fn leaf(&mut self, _: S, index: usize, limit: f32) -> f32 {
@@ -188,7 +243,8 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest<S>
         };
         let wins = match &self.best {
             None => t >= self.ray.t_min && t <= self.ray.t_max,
-            // A tie goes to the lower id, so that the order of the walk does not show.
+            // A tie goes to the lower id, so that the answer does not depend on the order of
+            // traversal.
             Some(best) => t >= self.ray.t_min && (t < best.t || (t == best.t && id < best.id)),
         };
         if !wins {
@@ -200,12 +256,12 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::Closest<S>
     }
 }
 
-struct WalkClosest<'a, 'b, T, F> {
+struct TraverseClosest<'a, 'b, T, F> {
     tree: &'a Tree,
-    visitor: &'a mut FindClosest<'b, T, F>,
+    visitor: &'a mut ClosestVisitor<'b, T, F>,
 }
 
-impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> Task for WalkClosest<'_, '_, T, F> {
+impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> WithSimd for TraverseClosest<'_, '_, T, F> {
     type Output = ();
 
     #[inline(always)]
@@ -216,27 +272,27 @@ impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> Task for WalkClosest<'_, '_, T,
     }
 }
 
-struct FindAny<'a, F> {
+struct AnyVisitor<'a, F> {
     ray: &'a Ray,
     test: &'a mut F,
 }
 
-impl<S: Simd, F> traverse::Leaves<S> for FindAny<'_, F> {}
+impl<S: Simd, F> traverse::LeafVisitor<S> for AnyVisitor<'_, F> {}
 
-impl<S: Simd, F: FnMut(u32, &Ray) -> bool> traverse::Any<S> for FindAny<'_, F> {
+impl<S: Simd, F: FnMut(u32, &Ray) -> bool> traverse::AnyVisitor<S> for AnyVisitor<'_, F> {
     #[inline(always)]
     fn leaf(&mut self, _: S, index: usize) -> bool {
         (self.test)(index as u32, self.ray)
     }
 }
 
-struct WalkAny<'a, F> {
+struct TraverseAny<'a, F> {
     tree: &'a Tree,
     slab_ray: &'a SlabRay,
-    visitor: FindAny<'a, F>,
+    visitor: AnyVisitor<'a, F>,
 }
 
-impl<F: FnMut(u32, &Ray) -> bool> Task for WalkAny<'_, F> {
+impl<F: FnMut(u32, &Ray) -> bool> WithSimd for TraverseAny<'_, F> {
     type Output = bool;
 
     #[inline(always)]

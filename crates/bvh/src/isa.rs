@@ -1,15 +1,15 @@
-//! Which instructions a tree is walked with.
+//! Instruction sets, selected at run time.
 
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Avx2, Avx512};
-use crate::simd::{Portable, Simd, Task};
+use crate::simd::{Portable, Simd, WithSimd};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
-/// A set of vector instructions. All of them give the same answers, to the bit.
+/// A vector instruction set for traversal. Every set gives the same answers, to the bit.
 ///
-/// A value is only made for a set that the processor has.
+/// A value exists only for a set that the processor supports.
 #[derive(Clone, Copy)]
 pub struct Isa(Kind);
 
@@ -23,10 +23,11 @@ enum Kind {
 }
 
 impl Isa {
-    /// What every processor of the architecture has: SSE2 on x86-64, NEON on AArch64.
+    /// The baseline of the architecture, which every processor supports: SSE2 on x86-64, NEON on
+    /// AArch64.
     pub const PORTABLE: Self = Self(Kind::Portable);
 
-    /// All sets that this processor has, fastest last.
+    /// All sets that this processor supports, fastest last.
     #[must_use]
     pub fn available() -> Vec<Self> {
         [
@@ -42,7 +43,8 @@ impl Isa {
     }
 
     /// The set that new trees use: the one named by the environment variable `ROTUND_ISA`
-    /// (`portable`, `sse2`, `avx2`, `avx512`) if the processor has it, else the fastest. Looked up once.
+    /// (`portable`, `sse2`, `avx2`, `avx512`) if the processor supports it, else the fastest.
+    /// Determined once per process.
     #[must_use]
     pub fn default_set() -> Self {
         static DEFAULT: OnceLock<Isa> = OnceLock::new();
@@ -52,7 +54,7 @@ impl Isa {
         })
     }
 
-    /// Its name, as [`Isa::from_str`] reads it.
+    /// The name of the set, as [`Isa::from_str`] parses it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self.0 {
@@ -65,7 +67,7 @@ impl Isa {
     }
 
     #[inline(always)]
-    pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
+    pub(crate) fn run<T: WithSimd>(self, task: T) -> T::Output {
         match self.0 {
             Kind::Portable => Portable.run(task),
             #[cfg(target_arch = "x86_64")]
@@ -90,14 +92,20 @@ impl PartialEq for Isa {
 
 impl Eq for Isa {}
 
-/// Why a name is not that of an instruction set here. The text lists those that are.
+/// The error for a name that is not that of an instruction set of this processor. Its text lists
+/// the names that are.
 #[derive(Clone, Debug)]
 pub struct UnknownIsa(String);
 
 impl fmt::Display for UnknownIsa {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<_> = Isa::available().into_iter().map(Isa::name).collect();
-        write!(f, "no instruction set {:?} here; there are: {}", self.0, names.join(", "))
+        write!(
+            f,
+            "this processor has no instruction set {:?}; it has: {}",
+            self.0,
+            names.join(", ")
+        )
     }
 }
 
@@ -106,7 +114,8 @@ impl std::error::Error for UnknownIsa {}
 impl FromStr for Isa {
     type Err = UnknownIsa;
 
-    /// Reads a [`Isa::name`]. On x86-64 `sse2` names the portable set: what it is compiled to there is SSE2.
+    /// Parses an [`Isa::name`]. On x86-64 `sse2` is another name of the portable set, which
+    /// compiles to SSE2 there.
     fn from_str(name: &str) -> Result<Self, UnknownIsa> {
         if cfg!(target_arch = "x86_64") && name == "sse2" {
             return Ok(Self::PORTABLE);
@@ -123,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_set_is_known_by_its_name() {
+    fn each_set_is_parsed_from_its_name() {
         for isa in Isa::available() {
             assert_eq!(isa.name().parse::<Isa>().ok(), Some(isa));
         }

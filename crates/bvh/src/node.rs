@@ -1,24 +1,24 @@
-//! Wide nodes, and the laws they keep.
+//! Wide nodes and their invariants.
 
 use rotund_geometry::Aabb;
 
-/// Children of a node: one SIMD register of `f32` under AVX, two under SSE2 or NEON.
+/// Children of a node: one SIMD register of `f32` with AVX, two with SSE2 or NEON.
 pub(crate) const WIDTH: usize = 8;
 
-/// What a slot of a node leads to: another node, a leaf, or nothing.
+/// The content of a slot of a node: another node, a leaf, or nothing.
 ///
-/// The top bit tells a leaf from a node; the rest is the index of the node, or what the owner of
-/// the tree made of the leaf's number.
+/// The top bit is set for leaves. The other bits are the index of the node or leaf; in a
+/// [`crate::Bvh`] the index of a leaf is the id of its primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Child(pub(crate) u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;
-    /// The largest index of a node or leaf. One below the end, so that no leaf looks like
-    /// [`Child::NONE`].
+    /// The largest index of a node or leaf. The next one is not used, since it would make a leaf
+    /// equal to [`Child::NONE`].
     pub(crate) const MAX_INDEX: u32 = Self::LEAF - 2;
-    /// An unused slot. Its box is empty, so no ray gets here.
+    /// An unused slot. Its box is empty, so no ray visits it.
     pub(crate) const NONE: Self = Self(u32::MAX);
 
     pub(crate) fn node(index: u32) -> Self {
@@ -42,13 +42,15 @@ impl Child {
     }
 }
 
-/// A node with up to [`WIDTH`] children, their boxes as six arrays of planes.
+/// A node with up to [`WIDTH`] children. Their boxes are stored as six arrays of planes, in four
+/// cache lines.
 ///
-/// Four cache lines. `planes[axis]` are the lower planes of an axis and the upper ones, so that a ray
-/// chooses its near and far planes by an index and not by a comparison.
+/// `planes[axis]` holds the lower and then the upper planes of an axis, so that a ray selects its
+/// near and far planes by an index instead of a comparison.
 ///
-/// Laws: no plane is NaN; used slots come first; an unused slot holds [`Child::NONE`] and an
-/// empty box (`+inf..=-inf`); the box of a slot holds all boxes below it.
+/// Invariants: no plane is NaN; used slots come first; an unused slot holds [`Child::NONE`] and an
+/// empty box (`+inf..=-inf`); the box of a slot contains all boxes below it; a child node comes
+/// after its parent.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
@@ -76,13 +78,13 @@ impl Node {
     }
 }
 
-/// The nodes of a tree and where to start.
+/// The nodes of a tree and its root.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,
-    /// A node, or [`Child::NONE`] if there is nothing in the tree.
+    /// A node, or [`Child::NONE`] if the tree is empty.
     pub(crate) root: Child,
-    /// The union of all boxes; [`Aabb::EMPTY`] if there is none.
+    /// The union of all boxes; [`Aabb::EMPTY`] if the tree is empty.
     pub(crate) bounds: Aabb,
     /// Length of the slice that the tree was built from.
     pub(crate) source_count: usize,

@@ -1,71 +1,73 @@
-//! The children that wait during a walk.
+//! The traversal stack: children that are still to be visited.
 #![expect(
     unsafe_code,
-    reason = "clearing the whole stack for each ray would cost more than its use"
+    reason = "initialising the whole stack for each ray would cost more than using it"
 )]
 
-use crate::build::MAX_DEPTH;
+use crate::build_range::MAX_DEPTH;
 use crate::node::WIDTH;
-use crate::simd::Entry;
+use crate::simd::StackEntry;
 use std::mem::MaybeUninit;
 
-/// Each of at most [`MAX_DEPTH`] nodes on the way down leaves at most `WIDTH - 1` siblings; the last
-/// write is a whole window long.
+/// Each of at most [`MAX_DEPTH`] nodes on the way down leaves at most `WIDTH - 1` siblings, and the
+/// last write covers [`WIDTH`] entries.
 const CAPACITY: usize = (MAX_DEPTH + 2) * WIDTH;
 
-/// Room for the entries of a [`Stack`].
-pub(crate) type Room = [MaybeUninit<Entry>; CAPACITY];
+/// The memory of a [`Stack`].
+pub(crate) type Storage = [MaybeUninit<StackEntry>; CAPACITY];
 
-/// Room that is not written to.
+/// Uninitialised memory for a stack.
 #[inline(always)]
-pub(crate) fn room() -> Room {
+pub(crate) fn storage() -> Storage {
     [const { MaybeUninit::uninit() }; CAPACITY]
 }
 
-/// Law: the entries below `len` are written, and `len <= CAPACITY`.
+/// A stack of children with the distances at which the ray enters them.
 ///
-/// The room is apart, so that the length is kept in a register.
+/// Invariant: the entries below `len` are initialised, and `len <= CAPACITY`.
+///
+/// The memory is borrowed, so that the compiler keeps the length in a register.
 pub(crate) struct Stack<'a> {
-    entries: &'a mut Room,
+    entries: &'a mut Storage,
     len: usize,
 }
 
 impl<'a> Stack<'a> {
     #[inline(always)]
-    pub(crate) fn new(room: &'a mut Room) -> Self {
-        Self { entries: room, len: 0 }
+    pub(crate) fn new(storage: &'a mut Storage) -> Self {
+        Self { entries: storage, len: 0 }
     }
 
     #[inline(always)]
-    pub(crate) fn push(&mut self, entry: Entry) {
+    pub(crate) fn push(&mut self, entry: StackEntry) {
         self.entries[self.len].write(entry);
         self.len += 1;
     }
 
     #[inline(always)]
-    pub(crate) fn pop(&mut self) -> Option<Entry> {
+    pub(crate) fn pop(&mut self) -> Option<StackEntry> {
         if self.len == 0 {
             return None;
         }
         self.len -= 1;
-        // SAFETY: the law says that entries below the old `len` are written and in the array.
+        // SAFETY: by the invariant, entries below the old `len` are initialised and in the array.
         Some(unsafe { self.entries.get_unchecked(self.len).assume_init() })
     }
 
-    /// Pushes the entries that `write` puts in front of the window.
+    /// Pushes the `count` entries that `write` puts at the front of the array given to it.
     ///
     /// # Safety
     ///
-    /// `write` must fill the first `count` entries.
+    /// `write` must initialise the first `count` entries.
     #[inline(always)]
     pub(crate) unsafe fn extend(
         &mut self,
         count: usize,
-        write: impl FnOnce(&mut [MaybeUninit<Entry>; WIDTH]),
+        write: impl FnOnce(&mut [MaybeUninit<StackEntry>; WIDTH]),
     ) {
         let window = self.entries[self.len..]
             .first_chunk_mut()
-            .expect("the depth of a tree is bounded, and so is what waits");
+            .expect("the capacity follows from the depth of the tree");
         write(window);
         self.len += count;
     }

@@ -1,39 +1,39 @@
-//! Walks through a tree along a ray.
-#![expect(unsafe_code, reason = "the stack takes what `Simd::order` writes on trust")]
+//! Traversal of a tree along a ray, generic over the visitor of its leaves.
+#![expect(unsafe_code, reason = "the stack relies on `Simd::order` to initialise its entries")]
 
 use crate::node::{Child, Node, Tree, WIDTH};
-use crate::simd::{Entry, Simd};
+use crate::simd::{Simd, StackEntry};
 use crate::slab::SlabRay;
 use crate::stack::{self, Stack};
 
-/// Knows where leaves are.
-pub(crate) trait Leaves<S: Simd> {
-    /// Asks for the memory of a leaf that will be tested soon.
+/// A visitor of leaves, whose memory it may prefetch.
+pub(crate) trait LeafVisitor<S: Simd> {
+    /// Prefetches a leaf that will be tested soon.
     #[inline(always)]
     fn prefetch(&self, simd: S, index: usize) {
         _ = (simd, index);
     }
 }
 
-/// Looks into leaves for the closest hit.
-pub(crate) trait Closest<S: Simd>: Leaves<S> {
-    /// Tests the leaf, and returns the limit from now on. Implementations are `#[inline(always)]`.
+/// A visitor that searches leaves for the closest hit.
+pub(crate) trait ClosestVisitor<S: Simd>: LeafVisitor<S> {
+    /// Tests the leaf, and returns the new limit. Implementations are `#[inline(always)]`.
     fn leaf(&mut self, simd: S, index: usize, limit: f32) -> f32;
 
-    /// Notes that the walk tests the children of a node.
+    /// Called for each node whose children are tested.
     #[inline(always)]
     fn node(&mut self) {}
 }
 
-/// Looks into leaves for any hit.
-pub(crate) trait Any<S: Simd>: Leaves<S> {
-    /// Tests the leaf. Implementations are `#[inline(always)]`.
+/// A visitor that searches leaves for any hit.
+pub(crate) trait AnyVisitor<S: Simd>: LeafVisitor<S> {
+    /// Returns whether the ray hits anything in the leaf. Implementations are `#[inline(always)]`.
     fn leaf(&mut self, simd: S, index: usize) -> bool;
 }
 
-/// Asks for the memory of a child.
+/// Prefetches a node or leaf.
 #[inline(always)]
-fn prefetch<S: Simd>(simd: S, tree: &Tree, visitor: &impl Leaves<S>, child: Child) {
+fn prefetch<S: Simd>(simd: S, tree: &Tree, visitor: &impl LeafVisitor<S>, child: Child) {
     if child.is_leaf() {
         visitor.prefetch(simd, child.index());
     } else {
@@ -41,22 +41,23 @@ fn prefetch<S: Simd>(simd: S, tree: &Tree, visitor: &impl Leaves<S>, child: Chil
     }
 }
 
-/// Shows `visitor` each leaf that the ray meets before the limit, about nearest first.
+/// Calls `visitor` with each leaf whose box the ray meets before the limit, roughly from near to
+/// far.
 #[inline(always)]
 pub(crate) fn closest<S: Simd>(
     simd: S,
     tree: &Tree,
     ray: &SlabRay,
     mut limit: f32,
-    visitor: &mut impl Closest<S>,
+    visitor: &mut impl ClosestVisitor<S>,
 ) {
     if tree.root == Child::NONE {
         return;
     }
     let lanes = ray.lanes(simd);
     let mut limits = simd.splat(limit);
-    let mut room = stack::room();
-    let mut stack = Stack::new(&mut room);
+    let mut storage = stack::storage();
+    let mut stack = Stack::new(&mut storage);
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
@@ -79,17 +80,17 @@ pub(crate) fn closest<S: Simd>(
                 if rest & (rest - 1) == 0 {
                     let second = rest.trailing_zeros() as usize % WIDTH;
                     let near = simd.to_array(near);
-                    let a = Entry::new(near[first], node.children[first]);
-                    let b = Entry::new(near[second], node.children[second]);
+                    let a = StackEntry::new(near[first], node.children[first]);
+                    let b = StackEntry::new(near[second], node.children[second]);
                     stack.push(a.max(b));
                     prefetch(simd, tree, visitor, a.max(b).child());
                     current = a.min(b).child();
                     continue;
                 }
                 let count = mask.count_ones() as usize;
-                // SAFETY: `order` writes an entry for each bit of the mask.
+                // SAFETY: `order` initialises an entry for each bit of the mask.
                 unsafe {
-                    stack.extend(count, |window| simd.order(near, mask, &node.children, window));
+                    stack.extend(count, |entries| simd.order(near, mask, &node.children, entries));
                 }
                 let mut rest = mask;
                 while rest != 0 {
@@ -101,8 +102,9 @@ pub(crate) fn closest<S: Simd>(
         }
         current = loop {
             let Some(entry) = stack.pop() else { return };
-            // A limit below zero (an interval that ends behind the origin) is no reason to skip:
-            // entries count from zero, and the lane in their low bits makes them a little more.
+            // Distances in entries are clamped to zero, and the lane in their low bits increases
+            // them a little; so an entry at zero must pass also if the limit is negative (an
+            // interval that ends behind the origin).
             if entry.near() <= limit.max(f32::MIN_POSITIVE) {
                 break entry.child();
             }
@@ -110,23 +112,23 @@ pub(crate) fn closest<S: Simd>(
     }
 }
 
-/// Shows `visitor` the leaves that the ray meets before the limit, in any order, until one is hit;
-/// returns whether one was.
+/// Calls `visitor` with leaves whose boxes the ray meets before the limit, in no particular order,
+/// until it reports a hit; returns whether it did.
 #[inline(always)]
 pub(crate) fn any<S: Simd>(
     simd: S,
     tree: &Tree,
     ray: &SlabRay,
     limit: f32,
-    visitor: &mut impl Any<S>,
+    visitor: &mut impl AnyVisitor<S>,
 ) -> bool {
     if tree.root == Child::NONE {
         return false;
     }
     let lanes = ray.lanes(simd);
     let limits = simd.splat(limit);
-    let mut room = stack::room();
-    let mut stack = Stack::new(&mut room);
+    let mut storage = stack::storage();
+    let mut stack = Stack::new(&mut storage);
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
@@ -142,7 +144,7 @@ pub(crate) fn any<S: Simd>(
                 while mask != 0 {
                     let slot = mask.trailing_zeros() as usize % WIDTH;
                     mask &= mask - 1;
-                    stack.push(Entry::new(0.0, node.children[slot]));
+                    stack.push(StackEntry::new(0.0, node.children[slot]));
                     prefetch(simd, tree, visitor, node.children[slot]);
                 }
                 continue;

@@ -1,15 +1,16 @@
-//! Packed trees give, to the bit, the answer of a loop over all primitives, with every instruction set.
+//! Packed trees give, to the bit, the answer of a loop over all primitives, with every instruction
+//! set.
 
 mod support;
 
 use glam::{Vec2, Vec3};
 use rotund_bvh::{
-    Bvh, ConeTree, Form, Isa, PatchTree, PrimitiveHit, RefitError, SphereTree, TriangleTree,
+    Bvh, ConeTree, Isa, Method, PatchTree, PrimitiveHit, RefitError, SphereTree, TriangleTree,
 };
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use support::Random;
 
-/// What is asked of a tree, for all kinds alike.
+/// The closest hit, and whether there is any.
 type Answer = (Option<PrimitiveHit>, bool);
 
 /// The loop: lowest id among the smallest `t`.
@@ -23,7 +24,7 @@ fn loop_over(count: usize, closest: impl Fn(usize) -> Option<Hit>) -> Answer {
     (best, best.is_some())
 }
 
-/// Compares a tree with the loop, over `rays`, in both forms and on every instruction set.
+/// Compares a tree with the loop, over `rays`, with both methods and on every instruction set.
 macro_rules! check {
     ($tree:ty, $primitives:expr, $rays:expr, $least_hits:expr, $vanilla:expr) => {{
         let (primitives, rays) = ($primitives, $rays);
@@ -31,20 +32,20 @@ macro_rules! check {
             .into_iter()
             .map(|isa| <$tree>::build(&primitives).with_isa(isa))
             .collect();
-        for form in [Form::Enhanced, Form::Vanilla] {
+        for method in Method::ALL {
             let mut hits = 0;
             for ray in &rays {
-                let expected = loop_over(primitives.len(), |id| match form {
-                    Form::Enhanced => primitives[id].closest(ray),
-                    Form::Vanilla => $vanilla(&primitives[id]).closest(ray),
+                let expected = loop_over(primitives.len(), |id| match method {
+                    Method::Enhanced => primitives[id].closest(ray),
+                    Method::Vanilla => $vanilla(&primitives[id]).closest(ray),
                 });
                 hits += usize::from(expected.1);
                 for tree in &trees {
-                    let found = (tree.closest(ray, form), tree.any(ray, form));
-                    assert_eq!(found, expected, "{form:?}, {:?}, {ray:?}", tree.isa());
+                    let found = (tree.closest(ray, method), tree.any(ray, method));
+                    assert_eq!(found, expected, "{method:?}, {:?}, {ray:?}", tree.isa());
                 }
             }
-            assert!(hits >= $least_hits, "{form:?}: {hits} hits test little");
+            assert!(hits >= $least_hits, "{method:?}: {hits} hits test little");
         }
     }};
 }
@@ -63,20 +64,20 @@ fn quad(p: &BilinearPatch) -> vanilla::Quad {
 
 fn spheres(random: &mut Random, count: usize, size: f32) -> Vec<Sphere> {
     (0..count)
-        .map(|_| Sphere { center: random.point(), radius: size * (0.01 + random.unit()) })
+        .map(|_| Sphere { center: random.in_cube(), radius: size * (0.01 + random.unit()) })
         .collect()
 }
 
 fn cones(random: &mut Random, count: usize, size: f32) -> Vec<RoundedCone> {
     (0..count)
         .map(|i| {
-            let p0 = random.point();
+            let p0 = random.in_cube();
             // Long and thin, short and thick, and one ball in the other.
             let length = size * 2f32.powi(i as i32 % 7 - 4);
             RoundedCone {
                 p0,
                 r0: 0.2 * size * random.unit(),
-                p1: p0 + length * random.point(),
+                p1: p0 + length * random.in_cube(),
                 r1: 0.2 * size * random.unit(),
             }
         })
@@ -86,9 +87,9 @@ fn cones(random: &mut Random, count: usize, size: f32) -> Vec<RoundedCone> {
 fn patches(random: &mut Random, count: usize, size: f32) -> Vec<BilinearPatch> {
     (0..count)
         .map(|i| {
-            let p00 = random.point();
-            let (u, v) = (size * random.point(), size * random.point());
-            let twist = size * random.point() * [0.0, 0.1, 1.0][i % 3];
+            let p00 = random.in_cube();
+            let (u, v) = (size * random.in_cube(), size * random.in_cube());
+            let twist = size * random.in_cube() * [0.0, 0.1, 1.0][i % 3];
             BilinearPatch { p00, p10: p00 + u, p01: p00 + v, p11: p00 + u + v + twist }
         })
         .collect()
@@ -97,18 +98,19 @@ fn patches(random: &mut Random, count: usize, size: f32) -> Vec<BilinearPatch> {
 fn triangles(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
     (0..count)
         .map(|_| {
-            let p0 = random.point();
-            Triangle { p0, p1: p0 + size * random.point(), p2: p0 + size * random.point() }
+            let p0 = random.in_cube();
+            Triangle { p0, p1: p0 + size * random.in_cube(), p2: p0 + size * random.in_cube() }
         })
         .collect()
 }
 
-/// From near and far, in and along the axes, with directions of many lengths and with intervals.
+/// Rays from near and far, some perpendicular to an axis, with directions of many lengths and with
+/// various intervals.
 fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
     (0..count)
         .map(|i| {
-            let origin = random.point() * [1.0, 2.0, 100.0][i % 3];
-            let mut direction = random.point() - origin;
+            let origin = random.in_cube() * [1.0, 2.0, 100.0][i % 3];
+            let mut direction = random.in_cube() - origin;
             if i % 5 == 0 {
                 direction[i / 5 % 3] = 0.0;
             }
@@ -125,8 +127,8 @@ fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// Miri, which checks each access of the vector code, takes seconds for what else takes microseconds: it has
-/// these few, on trees small enough for one thread.
+/// These few rays, on trees small enough for one thread, are for Miri, which checks each memory
+/// access of the vector code and is slower by a factor of a million.
 #[test]
 fn small_trees_agree_with_a_loop() {
     for count in [24, 30] {
@@ -177,7 +179,7 @@ fn triangles_agree_with_a_loop() {
 
 #[test]
 fn rays_that_graze_agree_with_a_loop() {
-    // Aimed at the very edge of what they are to hit, from ever farther away.
+    // Aimed at silhouettes and edges, from ever larger distances.
     let mut random = Random(77);
     let balls = spheres(&mut random, 500, 0.05);
     let tubes = cones(&mut random, 500, 0.2);
@@ -186,10 +188,10 @@ fn rays_that_graze_agree_with_a_loop() {
         (0..2000)
             .map(|i| {
                 let (target, radius) = targets(&mut random);
-                let direction = random.point().normalize();
-                let beside = direction.cross(random.point()).normalize();
+                let direction = random.in_cube().normalize();
+                let perpendicular = direction.cross(random.in_cube()).normalize();
                 let distance = 4f32.powi(i % 10 - 2);
-                Ray::new(target + radius * beside - distance * direction, direction)
+                Ray::new(target + radius * perpendicular - distance * direction, direction)
             })
             .collect()
     };
@@ -219,11 +221,11 @@ fn rays_that_leave_a_surface_agree_with_a_loop() {
     let mut leaving = |on: &mut dyn FnMut(&mut Random) -> Vec3| -> Vec<Ray> {
         (0..3000)
             .map(|i| {
-                let away = random.point().normalize();
-                // On the surface to the last bit, or off it by ever more.
+                let away = random.in_cube().normalize();
+                // On the surface up to rounding, or at ever larger distances from it.
                 let offset = if i % 4 == 0 { 0.0 } else { 2f32.powi(-(i % 30)) };
                 let ray = Ray::new(on(&mut random) + offset * away, away);
-                // Back into the surface, or with what it left in the interval.
+                // Away from the surface, back through it, or with the surface in the interval.
                 match i % 3 {
                     0 => ray,
                     1 => Ray::new(ray.origin, -1024.0 * away),
@@ -310,8 +312,8 @@ fn primitives_with_nan_or_infinity_are_left_out() {
 fn an_empty_tree_meets_nothing() {
     let tree = SphereTree::build(&[]);
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    assert_eq!(tree.closest(&ray, Form::Enhanced), None);
-    assert!(!tree.any(&ray, Form::Enhanced));
+    assert_eq!(tree.closest(&ray, Method::Enhanced), None);
+    assert!(!tree.any(&ray, Method::Enhanced));
 }
 
 #[test]
@@ -323,12 +325,52 @@ fn a_packed_tree_agrees_with_a_tree_of_boxes() {
     for isa in Isa::available() {
         let (packed, plain) = (packed.clone().with_isa(isa), plain.clone().with_isa(isa));
         for ray in rays(&mut random, 5000) {
-            let asked = plain
+            let expected = plain
                 .closest(&ray, |id, ray| balls[id as usize].closest(ray).map(|hit| (hit.t, hit)))
                 .map(|found| PrimitiveHit { id: found.id, hit: found.value });
-            assert_eq!(packed.closest(&ray, Form::Enhanced), asked, "{isa:?}, {ray:?}");
+            assert_eq!(packed.closest(&ray, Method::Enhanced), expected, "{isa:?}, {ray:?}");
         }
     }
+}
+
+#[test]
+fn closest_of_and_any_of_agree_with_a_loop_over_every_kind_of_primitive() {
+    let mut random = Random(17);
+    macro_rules! check_of {
+        ($primitives:expr) => {{
+            let primitives = $primitives;
+            let plain = Bvh::build_of(&primitives);
+            let mut hits = 0;
+            for ray in rays(&mut random, 1000) {
+                let expected = loop_over(primitives.len(), |id| primitives[id].closest(&ray));
+                for isa in Isa::available() {
+                    let plain = plain.clone().with_isa(isa);
+                    let found =
+                        (plain.closest_of(&primitives, &ray), plain.any_of(&primitives, &ray));
+                    assert_eq!(found, expected, "{isa:?}, {ray:?}");
+                }
+                hits += usize::from(expected.1);
+            }
+            assert!(hits > 30, "{hits} hits test little");
+        }};
+    }
+    let balls = spheres(&mut random, 300, 0.2);
+    let tubes = cones(&mut random, 300, 0.5);
+    let sheet = patches(&mut random, 300, 0.5);
+    check_of!(balls.repeat(2));
+    check_of!(balls.iter().map(point).collect::<Vec<_>>());
+    check_of!(tubes.clone());
+    check_of!(tubes.iter().map(line).collect::<Vec<_>>());
+    check_of!(sheet.clone());
+    check_of!(sheet.iter().map(quad).collect::<Vec<_>>());
+    check_of!(triangles(&mut random, 300, 0.5));
+}
+
+#[test]
+#[should_panic(expected = "built over 3 primitives and is queried with 2")]
+fn a_query_with_another_number_of_primitives_panics() {
+    let balls = [Sphere { center: Vec3::ZERO, radius: 1.0 }; 3];
+    let _ = Bvh::build_of(&balls).any_of(&balls[..2], &Ray::new(Vec3::ZERO, Vec3::X));
 }
 
 #[test]
@@ -348,13 +390,16 @@ fn a_tree_that_is_refitted_agrees_with_a_loop() {
     let mut balls = spheres(&mut random, 20_000, 0.02);
     let mut tree = SphereTree::build(&balls);
     for ball in &mut balls {
-        ball.center = 0.5 * ball.center + 0.3 * random.point();
+        ball.center = 0.5 * ball.center + 0.3 * random.in_cube();
     }
     tree.refit(&balls).expect("as many balls as before, none without radius");
     assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());
     for ray in rays(&mut random, 200) {
         let expected = loop_over(balls.len(), |id| balls[id].closest(&ray));
-        assert_eq!((tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced)), expected);
+        assert_eq!(
+            (tree.closest(&ray, Method::Enhanced), tree.any(&ray, Method::Enhanced)),
+            expected
+        );
     }
 }
 
@@ -371,7 +416,8 @@ fn refitted_trees_of_every_kind_agree_with_a_loop() {
             let mut hits = 0;
             for ray in rays(&mut random, 300) {
                 let expected = loop_over(moved.len(), |id| moved[id].closest(&ray));
-                let found = (tree.closest(&ray, Form::Enhanced), tree.any(&ray, Form::Enhanced));
+                let found =
+                    (tree.closest(&ray, Method::Enhanced), tree.any(&ray, Method::Enhanced));
                 assert_eq!(found, expected, "{ray:?}");
                 hits += usize::from(expected.1);
             }
@@ -425,7 +471,7 @@ fn statistics_and_visits_add_up() {
     assert_eq!(statistics.primitives, balls.len());
     assert_eq!(statistics.children, statistics.nodes - 1 + statistics.leaves);
     assert!(statistics.bytes < 56 * balls.len(), "{statistics:?}");
-    let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Form::Enhanced);
+    let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Method::Enhanced);
     assert!(through_the_middle.nodes > 0 && through_the_middle.primitives > 0);
-    assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Form::Enhanced).primitives, 0);
+    assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Method::Enhanced).primitives, 0);
 }

@@ -42,7 +42,7 @@ pub fn bless(
     resolution: u32,
     pictures: usize,
 ) -> Result<Blessed> {
-    let subject = Subject::new(case.load()?, Isa::default_set());
+    let subject = Subject::new(case.load()?, Isa::default_set())?;
     let new = render(&subject, case, old, resolution, pictures)?;
     let Some(old) = old else { return Ok(Blessed::New(new)) };
     let same_size =

@@ -56,7 +56,7 @@ pub fn examine(
         return Ok(Outcome::Failed(format!("there is no reference {place} yet")));
     }
     let reference = Reference::read(&case.reference)?;
-    let subject = Subject::new(case.load()?, isa);
+    let subject = Subject::new(case.load()?, isa)?;
     let Some(camera) = subject.scene.cameras.first() else {
         return Ok(Outcome::Failed("the scene has no camera".to_owned()));
     };

@@ -4,7 +4,7 @@ use crate::surface::{Probe, Surface};
 use glam::{DVec3, Vec2};
 use rotund_bvh::Isa;
 use rotund_image::Picture;
-use rotund_scene::{Scene, Trees};
+use rotund_scene::{Scene, SceneError, Trees};
 use rotund_trace::{Lights, Options, Sequence, render};
 use std::ops::ControlFlow;
 
@@ -18,9 +18,14 @@ pub struct Subject {
 
 impl Subject {
     /// Builds what rays need, to be walked with these instructions.
-    pub fn new(scene: Scene, isa: Isa) -> Self {
-        let (trees, lights) = (Trees::build(&scene).with_isa(isa), Lights::build(&scene));
-        Self { scene, trees, lights }
+    ///
+    /// # Errors
+    ///
+    /// If the scene is not valid.
+    pub fn new(scene: Scene, isa: Isa) -> Result<Self, SceneError> {
+        let trees = Trees::build(&scene)?.with_isa(isa);
+        let lights = Lights::build(&scene);
+        Ok(Self { scene, trees, lights })
     }
 
     /// What there is to be seen, without light.

@@ -36,7 +36,7 @@ fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Mo
     let Reference { moments, samples, bounces, .. } = reference(name);
     let (width, height) = (moments.width as u32, moments.height as u32);
     let plan = Plan { width, height, bounces, samples, sequence };
-    Moments::measure(&Subject::new(scene, Isa::default_set()), &plan, REPLICAS, 77)
+    Moments::measure(&Subject::new(scene, Isa::default_set()).unwrap(), &plan, REPLICAS, 77)
 }
 
 fn verdict(name: &str, actual: &Moments) -> Verdict {

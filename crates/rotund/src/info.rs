@@ -48,7 +48,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     say(format!("\n{}", cameras(scene)))?;
     say(format!("\n{}", materials(scene)))?;
     let start = Instant::now();
-    let trees = Trees::build(scene);
+    let trees = Trees::build(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
     say(format!("\n{}", shapes(scene, &trees)))?;
     say(format!("\ntrees built in {build_seconds:.2} s"))?;

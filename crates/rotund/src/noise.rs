@@ -67,7 +67,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         );
     }
     enhance(&mut scene.scene, &if args.vanilla { Vec::new() } else { args.picture.kinds.kinds() });
-    let trees = Trees::build(&scene.scene);
+    let trees = Trees::build(&scene.scene)?;
     let mut table = Table::new(&["sampler", "samples", "seconds", "noise", "seconds x noise"]);
     let mut curves = Vec::new();
     for (index, (name, sequence)) in

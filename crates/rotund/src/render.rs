@@ -8,7 +8,7 @@ use crate::progress::rays_per_second;
 use crate::shot::{PictureArgs, brought_near, odd_samples, take_on};
 use anyhow::{Result, bail};
 use rotund_report::console::say;
-use rotund_scene::Trees;
+use rotund_scene::{SceneError, Trees};
 use rotund_trace::{Film, Options, View, output};
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -133,7 +133,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         } else {
             Cow::Borrowed(&scene.scene)
         };
-        let trees = Trees::build(&near);
+        let trees = Trees::build(&near)?;
         let mut keep = |film: &Film| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.update(film);
@@ -141,8 +141,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
         };
         let shot = take_on(film, &near, &trees, camera, &options, label, &mut keep);
         let layers = args.layers.then(|| rotund_trace::layers(&near, &trees, camera, &options));
-        (shot, layers)
-    })?;
+        Ok::<_, SceneError>((shot, layers))
+    })??;
     if let Some(checkpoint) = &checkpoint {
         checkpoint.save(&shot.film)?;
     }

@@ -160,7 +160,7 @@ pub fn take_more(
 fn take_from(film: Film, scene: &Scene, camera: usize, options: &Options, label: &str) -> Shot {
     let scene = &*brought_near(scene, camera);
     let start = Instant::now();
-    let trees = Trees::build(scene);
+    let trees = Trees::build(scene).expect("a scene that loads is valid");
     let build_seconds = start.elapsed().as_secs_f64();
     let mut shot = take_on(film, scene, &trees, camera, options, label, &mut |_| {});
     shot.build_seconds += build_seconds;

@@ -1,10 +1,10 @@
 //! Cameras.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Mat3A, Vec2, Vec3};
 use rotund_geometry::Ray;
 
 /// A thin-lens camera at the origin of its frame, looking along its -z axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// How the command line picks it.
     pub name: String,
@@ -41,6 +41,24 @@ impl Default for Camera {
 }
 
 impl Camera {
+    /// The default camera, standing at `eye` and looking at `target`, which is in focus; `up` points up in
+    /// the picture and need not be orthogonal to the view.
+    ///
+    /// If `eye` is `target`, or `up` is along the view, there is no such camera: its frame is not finite,
+    /// which [`crate::Scene::validate`] reports.
+    #[must_use]
+    pub fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Self {
+        let (world_from_camera, focus) = (look_at(eye, target, up), eye.distance(target));
+        Self { world_from_camera, focus, ..Self::default() }
+    }
+
+    /// The same camera with parallel rays, whose picture shows `width` meters: across the longer side,
+    /// whatever the aspect.
+    #[must_use]
+    pub fn orthographic(self, width: f32) -> Self {
+        Self { orthographic: true, lens: 1.0, film: width, ..self }
+    }
+
     /// The ray through a point of the picture and a point of the lens, of unit direction.
     ///
     /// `image_uv` is `0.0..=1.0` over the picture: u runs right, v runs down. `lens_uv` is a point of
@@ -79,4 +97,12 @@ impl Camera {
             (shorter(self.aspect), longer_side)
         }
     }
+}
+
+/// The frame at `eye` whose -z axis points to `target`; not finite if there is none.
+pub(crate) fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Affine3A {
+    let z = (eye - target).normalize();
+    let x = up.cross(z).normalize();
+    let matrix3 = Mat3A::from_cols(x.into(), z.cross(x).into(), z.into());
+    Affine3A { matrix3, translation: eye.into() }
 }

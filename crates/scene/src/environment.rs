@@ -5,7 +5,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// A constant or a latitude-longitude image times a colour.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
     /// For messages.
     pub name: String,

@@ -51,7 +51,7 @@
 //! use rotund_scene::{ElementKind, LoadOptions, Method, Trees, load};
 //!
 //! let mut scene = load("../../scenes/shapes4.json", &LoadOptions::default())?.scene;
-//! let trees = Trees::build(&scene);
+//! let trees = Trees::build(&scene)?;
 //! // Through the middle of the thick points.
 //! let ray = scene.cameras[1].ray(vec2(0.5, 0.47), Vec2::ZERO);
 //! for method in [Method::Vanilla, Method::Enhanced] {
@@ -62,31 +62,41 @@
 //!         assert!(normal.dot(ray.direction) < 0.0 && material.opacity == 1.0);
 //!     }
 //! }
-//! # Ok::<(), rotund_scene::LoadError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod camera;
 mod environment;
+mod error;
 mod eval;
 mod frame;
+#[cfg(feature = "load")]
 mod generate;
+mod hit;
 mod intersect;
+#[cfg(feature = "load")]
 mod load;
 mod material;
+mod placement;
 mod primitive;
 mod scene;
 mod shape;
+mod shape_tree;
 mod texture;
 mod tiles;
+mod validate;
 
 pub use camera::Camera;
 pub use environment::Environment;
-pub use intersect::{Route, SceneHit, Trees};
+pub use error::{SceneError, SceneItem};
+pub use hit::SceneHit;
+pub use intersect::{Route, Trees};
+#[cfg(feature = "load")]
 pub use load::{LoadError, LoadOptions, Loaded, NamedBy, load};
 pub use material::{Material, MaterialKind, MaterialPoint};
 pub use rotund_geometry as geometry;
 pub use rotund_geometry::Method;
 pub use scene::{Instance, Scene};
-pub use shape::{ElementKind, Elements, Shape};
+pub use shape::{ElementKind, Elements, Radii, Shape};
 pub use texture::{Pixels, Texture};
 pub use tiles::Tiles;

@@ -22,7 +22,7 @@ pub enum MaterialKind {
 
 /// The parameters of a surface as a file states them; textures are indices into
 /// [`crate::Scene::textures`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// For messages.
     pub name: String,

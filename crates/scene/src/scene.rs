@@ -2,12 +2,14 @@
 
 use crate::{Camera, ElementKind, Environment, Material, Method, Shape, Texture};
 use glam::{Affine3A, Vec3A};
+use rotund_geometry::Aabb;
 
 /// Plain data: everything is an array, and whatever refers to an element does it by index.
 ///
-/// [`crate::load`] refuses indices that are out of range; who builds a scene by hand keeps them in
-/// range, or evaluation panics.
-#[derive(Clone, Debug, Default)]
+/// Scenes from [`crate::load`] are valid. [`Scene::validate`], which [`crate::Trees::build`] calls first,
+/// finds indices that are out of range and values that nothing can be made of; evaluation panics at such
+/// indices.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Views; a renderer is told which one by index.
     pub cameras: Vec<Camera>,
@@ -24,6 +26,59 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Adds a shape and a material, and an instance of both where the shape stands; gives the index of the
+    /// instance.
+    ///
+    /// ```
+    /// use rotund_scene::{Material, Scene, Shape, geometry::glam::{Affine3A, Vec3}};
+    ///
+    /// let mut scene = Scene::default();
+    /// let white = Material { color: Vec3::ONE, ..Material::default() };
+    /// let ball = scene.add(Shape::points([Vec3::ZERO], 0.5), white);
+    /// scene.instances[ball as usize].world_from_object = Affine3A::from_translation(Vec3::Y);
+    /// # assert_eq!(scene.validate(), Ok(()));
+    /// ```
+    pub fn add(&mut self, shape: Shape, material: Material) -> u32 {
+        // An index beyond `u32` asks for more memory than there is.
+        let index = |length: usize| length as u32;
+        let instance = Instance::new(index(self.shapes.len()), index(self.materials.len()));
+        self.shapes.push(shape);
+        self.materials.push(material);
+        self.instances.push(instance);
+        index(self.instances.len() - 1)
+    }
+
+    /// A box around all instances; [`Aabb::EMPTY`] if there are none.
+    ///
+    /// # Panics
+    ///
+    /// If an instance names a shape that the scene does not have.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.instances.iter().map(|i| self.bounds_of(i)).fold(Aabb::EMPTY, Aabb::union)
+    }
+
+    /// A box around an instance, in world space: around its vertices, and its largest radius wider.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    #[must_use]
+    pub fn instance_bounds(&self, instance: u32) -> Aabb {
+        self.bounds_of(&self.instances[instance as usize])
+    }
+
+    fn bounds_of(&self, instance: &Instance) -> Aabb {
+        let shape = &self.shapes[instance.shape as usize];
+        let frame = &instance.world_from_object;
+        let stretch = frame.matrix3.x_axis.length().max(frame.matrix3.y_axis.length());
+        let stretch = stretch.max(frame.matrix3.z_axis.length());
+        let radius = stretch * shape.radii.iter().copied().fold(0.0, f32::max);
+        let points = shape.positions.iter().map(|&p| frame.transform_point3(p));
+        let Aabb { min, max } = Aabb::from_points(points);
+        Aabb { min: min - radius, max: max + radius }
+    }
+
     /// Sets the method of every shape whose elements are of this kind. Trees stay valid.
     pub fn set_method(&mut self, kind: ElementKind, method: Method) {
         for shape in self.shapes.iter_mut().filter(|shape| shape.elements.kind() == kind) {
@@ -47,7 +102,7 @@ impl Scene {
 }
 
 /// One placement of a shape.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Instance {
     /// For messages.
     pub name: String,
@@ -57,4 +112,12 @@ pub struct Instance {
     pub shape: u32,
     /// Index into [`Scene::materials`].
     pub material: u32,
+}
+
+impl Instance {
+    /// An instance of these indices whose shape stays where it stands.
+    #[must_use]
+    pub fn new(shape: u32, material: u32) -> Self {
+        Self { shape, material, ..Self::default() }
+    }
 }

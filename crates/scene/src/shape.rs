@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use rotund_geometry::Method;
+use std::fmt;
 
 /// The kinds of elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,6 +17,18 @@ pub enum ElementKind {
     Quads,
 }
 
+impl fmt::Display for ElementKind {
+    /// The plural in lower case, as in `triangles`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Points => "points",
+            Self::Lines => "lines",
+            Self::Triangles => "triangles",
+            Self::Quads => "quads",
+        })
+    }
+}
+
 /// Vertex indices of each element; a shape has elements of one kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Elements {
@@ -27,6 +40,13 @@ pub enum Elements {
     Triangles(Vec<[u32; 3]>),
     /// Four corners in order around the quad; a triangle repeats its last vertex.
     Quads(Vec<[u32; 4]>),
+}
+
+impl Default for Elements {
+    /// No points.
+    fn default() -> Self {
+        Self::Points(0)
+    }
 }
 
 impl Elements {
@@ -54,7 +74,17 @@ impl Elements {
 }
 
 /// Geometry in object space. An array of vertex data is empty or as long as `positions`.
-#[derive(Clone, Debug)]
+///
+/// [`Shape::points`], [`Shape::lines`], [`Shape::triangles`] and [`Shape::quads`] make one of positions
+/// and elements; name, normals, texture coordinates and colours are set afterwards:
+///
+/// ```
+/// use rotund_scene::{Shape, geometry::glam::{Vec3, Vec4}};
+///
+/// let colors = vec![Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(0.0, 0.0, 1.0, 1.0)];
+/// let tube = Shape { colors, ..Shape::lines([Vec3::ZERO, Vec3::X], [0.2, 0.1], [[0, 1]]) };
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
     /// For messages.
     pub name: String,
@@ -74,7 +104,91 @@ pub struct Shape {
     pub radii: Vec<f32>,
 }
 
+/// The radii of points or lines: converted from one `f32` for all, or from an array, slice or `Vec` with
+/// one for each position.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Radii {
+    /// The same radius at each position.
+    All(f32),
+    /// One radius for each position.
+    Each(Vec<f32>),
+}
+
+impl From<f32> for Radii {
+    fn from(radius: f32) -> Self {
+        Self::All(radius)
+    }
+}
+
+impl From<Vec<f32>> for Radii {
+    fn from(radii: Vec<f32>) -> Self {
+        Self::Each(radii)
+    }
+}
+
+impl From<&[f32]> for Radii {
+    fn from(radii: &[f32]) -> Self {
+        Self::Each(radii.to_vec())
+    }
+}
+
+impl<const N: usize> From<[f32; N]> for Radii {
+    fn from(radii: [f32; N]) -> Self {
+        Self::Each(radii.to_vec())
+    }
+}
+
+impl Radii {
+    fn of(self, positions: &[Vec3]) -> Vec<f32> {
+        match self {
+            Self::All(radius) => vec![radius; positions.len()],
+            Self::Each(radii) => radii,
+        }
+    }
+}
+
 impl Shape {
+    /// A point at each position: a sphere, or with [`Method::Vanilla`] a disc that faces the ray.
+    ///
+    /// `radii` are one number for all, or one for each position. This and the other constructors check
+    /// nothing: [`crate::Scene::validate`], and so [`crate::Trees::build`], tells which value is wrong.
+    #[must_use]
+    pub fn points(positions: impl Into<Vec<Vec3>>, radii: impl Into<Radii>) -> Self {
+        let positions = positions.into();
+        // More points than `u32` counts are more than positions, or than a tree holds: an error later.
+        let elements = Elements::Points(u32::try_from(positions.len()).unwrap_or(u32::MAX));
+        Self { radii: radii.into().of(&positions), elements, positions, ..Self::default() }
+    }
+
+    /// Lines between pairs of positions: rounded cones, or with [`Method::Vanilla`] ribbons that face the
+    /// ray. A polyline or strand names each inner position twice, as in `[[0, 1], [1, 2]]`.
+    ///
+    /// `radii` are one number for all, or one for each position.
+    #[must_use]
+    pub fn lines(
+        positions: impl Into<Vec<Vec3>>,
+        radii: impl Into<Radii>,
+        lines: impl Into<Vec<[u32; 2]>>,
+    ) -> Self {
+        let (positions, elements) = (positions.into(), Elements::Lines(lines.into()));
+        Self { radii: radii.into().of(&positions), elements, positions, ..Self::default() }
+    }
+
+    /// Triangles of three positions each, counter-clockwise seen from the front.
+    #[must_use]
+    pub fn triangles(positions: impl Into<Vec<Vec3>>, triangles: impl Into<Vec<[u32; 3]>>) -> Self {
+        let (positions, elements) = (positions.into(), Elements::Triangles(triangles.into()));
+        Self { elements, positions, ..Self::default() }
+    }
+
+    /// Quads of four positions each, in order around the quad, counter-clockwise seen from the front:
+    /// bilinear patches, or with [`Method::Vanilla`] pairs of triangles.
+    #[must_use]
+    pub fn quads(positions: impl Into<Vec<Vec3>>, quads: impl Into<Vec<[u32; 4]>>) -> Self {
+        let (positions, elements) = (positions.into(), Elements::Quads(quads.into()));
+        Self { elements, positions, ..Self::default() }
+    }
+
     /// Memory of all arrays.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -1,11 +1,11 @@
 //! Images on surfaces.
 
-use crate::tiles::Tiles;
+use crate::{SceneError, tiles::Tiles};
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::LazyLock;
 
 /// An image of RGBA pixels, row 0 at `v = 0`, repeated over the plane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// For messages.
     pub name: String,
@@ -17,8 +17,16 @@ pub struct Texture {
     pub pixels: Pixels,
 }
 
+impl Default for Texture {
+    /// One white pixel.
+    fn default() -> Self {
+        let pixels = Pixels::Bytes(vec![[255; 4]]);
+        Self { name: String::new(), width: 1, height: 1, pixels }
+    }
+}
+
 /// The kinds of pixels in files, as they come and as they are stored once they are loaded.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
     /// 8 bits a channel: sRGB where a colour is meant, else read as it is.
     Bytes(Vec<[u8; 4]>),
@@ -68,10 +76,21 @@ fn unpacked([r, g, b, exponent]: [u8; 4]) -> Vec4 {
 }
 
 impl Texture {
-    /// One white pixel.
-    pub(crate) fn white() -> Self {
-        let pixels = Pixels::Bytes(vec![[255; 4]]);
-        Self { name: String::new(), width: 1, height: 1, pixels }
+    /// A texture of 8 bits a channel: red, green, blue and alpha of each pixel, row by row from the
+    /// top. Red, green and blue are sRGB where the texture is a colour; alpha is linear and not
+    /// premultiplied.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::ByteCount`] if there are not four bytes for each pixel.
+    pub fn from_rgba8(width: u32, height: u32, bytes: &[u8]) -> Result<Self, SceneError> {
+        let (pixels, rest) = bytes.as_chunks();
+        let count = u64::from(width) * u64::from(height);
+        if !rest.is_empty() || pixels.len() as u64 != count {
+            return Err(SceneError::ByteCount { width, height, bytes: bytes.len() });
+        }
+        let pixels = Pixels::Bytes(pixels.to_vec()).packed(width);
+        Ok(Self { name: String::new(), width, height, pixels })
     }
 
     /// The linear colour and the opacity at `uv`: bytes are sRGB.
@@ -186,6 +205,7 @@ pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
 }
 
 /// The inverse of [`linear_from_srgb`].
+#[cfg(feature = "load")]
 pub(crate) fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }

@@ -7,8 +7,10 @@ use std::collections::{HashMap, hash_map::Entry};
 /// A look-up between four pixels fetches 1.6 cache lines, where rows would take 2.1. An image that repeats
 /// itself, as boards, masks and patterns do, keeps each tile once: of megabytes, kilobytes are left that stay
 /// near the processor.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Tiles {
+    /// Columns and rows of pixels.
+    size: [usize; 2],
     /// Tiles in a row.
     across: usize,
     /// Which of `tiles` are where, row by row. If none is there twice, they are in that order.
@@ -50,7 +52,12 @@ impl Tiles {
             Some((places, tiles)) => (Some(places), tiles),
             None => (None, (0..count).map(tile).collect()),
         };
-        Some(Self { across, places, tiles })
+        Some(Self { size: [width, height], across, places, tiles })
+    }
+
+    /// Columns and rows of pixels.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        self.size
     }
 
     /// The pixel of a column and a row.

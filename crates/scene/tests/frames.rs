@@ -20,7 +20,7 @@ fn cases(count: u32) -> Vec<(String, Affine3A, Scene, Trees)> {
     for (why, frame) in frames() {
         for shape in shapes(&mut random, count, SIZE) {
             let mut scene = scene_of(shape, frame, MaterialKind::Matte);
-            let trees = Trees::build(&scene);
+            let trees = Trees::build(&scene).expect("the scene is valid");
             for method in [Method::Vanilla, Method::Enhanced] {
                 // The same trees serve both.
                 scene.shapes[0].method = method;
@@ -207,7 +207,7 @@ fn a_mirror_does_not_turn_normals_inwards() {
     let center = shape.positions[0];
     for (why, frame) in frames() {
         let scene = scene_of(shape.clone(), frame, MaterialKind::Matte);
-        let trees = Trees::build(&scene);
+        let trees = Trees::build(&scene).expect("the scene is valid");
         let origin = frame.transform_point3(center + Vec3::new(3.0, 2.0, 1.0));
         let inside = frame.transform_point3(center);
         let hit = trees.closest(&scene, &Ray::new(origin, inside - origin)).expect("aimed at it");
@@ -224,6 +224,9 @@ fn an_identity_frame_adds_no_error() {
     let alone = rotund_geometry::Sphere { center: shape.positions[0], radius: shape.radii[0] };
     let error = alone.closest(&ray).expect("aimed at it").error;
     let scene = scene_of(shape, Affine3A::IDENTITY, MaterialKind::Matte);
-    let hit = Trees::build(&scene).closest(&scene, &ray).expect("aimed at it");
+    let hit = Trees::build(&scene)
+        .expect("the scene is valid")
+        .closest(&scene, &ray)
+        .expect("aimed at it");
     assert_eq!(hit.error, error);
 }

@@ -158,7 +158,7 @@ fn the_camera_of_a_lone_shape_sees_it_above_its_floor() {
     ] {
         let bytes = ascii(&format!("element vertex 3\n{XYZ}"), &format!("{x}\n{y}\n{z}\n"));
         let scene = loaded(&bytes, &LoadOptions::default()).scene;
-        let trees = Trees::build(&scene);
+        let trees = Trees::build(&scene).expect("the scene is valid");
         let seen = |u: f32, v: f32| {
             let ray = scene.cameras[0].ray(vec2(u, v), Vec2::ZERO);
             trees.closest(&scene, &ray).map(|hit| hit.instance)

@@ -49,7 +49,7 @@ fn what_is_mirrored_never_goes_below_the_surface_in_any_frame() {
                 scene.textures = vec![wild_map(&mut random)];
                 scene.materials[0].normal_tex = Some(0);
                 scene.shapes[0].method = Method::Enhanced;
-                let trees = Trees::build(&scene);
+                let trees = Trees::build(&scene).expect("the scene is valid");
                 for _ in 0..200 {
                     let ray = ray_at(&mut random, &scene, 0.5);
                     let Some(hit) = trees.closest(&scene, &ray) else { continue };
@@ -81,7 +81,7 @@ fn a_normal_that_mirrors_upwards_is_left_as_it_is() {
     for shape in bent_shapes(&mut random) {
         let mut scene = scene_of(shape, frames()[0].1, MaterialKind::Glossy);
         scene.shapes[0].method = Method::Enhanced;
-        let trees = Trees::build(&scene);
+        let trees = Trees::build(&scene).expect("the scene is valid");
         let mut left = 0;
         for _ in 0..2000 {
             let ray = ray_at(&mut random, &scene, 0.5);
@@ -157,7 +157,7 @@ fn vanilla_triangles_of_a_quad_share_one_tangent_and_one_normal() {
     let first = scene.eval_tangents(0, 0, vec2(0.1, 0.2));
     assert_eq!(scene.eval_tangents(0, 0, vec2(0.9, 0.7)), first);
     let ray = |x: f32, y: f32| Ray::new(vec3(x, y, 5.0), Vec3::NEG_Z);
-    let trees = Trees::build(&scene);
+    let trees = Trees::build(&scene).expect("the scene is valid");
     let normal = |x, y| {
         let hit: SceneHit = trees.closest(&scene, &ray(x, y)).expect("aimed at it");
         scene.shading_normal(&hit, Vec3::Z)

@@ -55,14 +55,14 @@ fn scene() -> Scene {
 #[test]
 fn rays_meet_instances_that_share_a_tree_as_they_meet_each_alone() {
     let whole = scene();
-    let trees = Trees::build(&whole);
+    let trees = Trees::build(&whole).expect("the scene is valid");
     assert_eq!(trees.statistics().len(), whole.shapes.len(), "one for each shape");
     let alone: Vec<(Scene, Trees)> = whole
         .instances
         .iter()
         .map(|instance| {
             let scene = Scene { instances: vec![instance.clone()], ..whole.clone() };
-            let trees = Trees::build(&scene);
+            let trees = Trees::build(&scene).expect("the scene is valid");
             (scene, trees)
         })
         .collect();

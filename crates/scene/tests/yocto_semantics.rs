@@ -240,7 +240,7 @@ fn normals_turn_to_the_viewer_unless_the_surface_refracts() {
             (MaterialKind::Refractive, false),
         ] {
             let scene = scene_of(lifted_quad(method), Affine3A::IDENTITY, kind);
-            let trees = Trees::build(&scene);
+            let trees = Trees::build(&scene).expect("the scene is valid");
             let below = Ray::new(vec3(0.25, 0.25, -3.0), Vec3::Z);
             let hit = trees.closest(&scene, &below).expect("aimed at it");
             let normal = scene.shading_normal(&hit, Vec3::NEG_Z);
@@ -290,7 +290,10 @@ fn vanilla_points_and_lines_face_the_viewer() {
         (line, vec3(0.0, 2.0, 2.0).normalize(), vec3(-1.0, 0.0, 0.0)),
     ] {
         let scene = scene_of(shape, Affine3A::IDENTITY, MaterialKind::Glossy);
-        let hit = Trees::build(&scene).closest(&scene, &ray).expect("aimed at it");
+        let hit = Trees::build(&scene)
+            .expect("the scene is valid")
+            .closest(&scene, &ray)
+            .expect("aimed at it");
         assert_near(scene.shading_normal(&hit, outgoing), expected, "faces the viewer");
         assert_near(hit.position, position, "shades on the axis");
     }
@@ -309,7 +312,7 @@ fn tubes_interpolate_along_their_axis_and_spheres_have_one_value() {
         radii: vec![0.5, 0.5],
     };
     let scene = scene_of(tube, Affine3A::IDENTITY, MaterialKind::Matte);
-    let trees = Trees::build(&scene);
+    let trees = Trees::build(&scene).expect("the scene is valid");
     for (x, u) in [(-0.3, 0.0), (0.0, 0.0), (1.0, 0.25), (3.0, 0.75), (4.4, 1.0)] {
         let ray = Ray::new(vec3(x, 0.1, 5.0), Vec3::NEG_Z);
         let hit = trees.closest(&scene, &ray).expect("aimed at it");

@@ -21,13 +21,14 @@
 //! };
 //! let scene =
 //!     Scene { cameras: vec![Camera::default()], environments: vec![sky], ..Scene::default() };
-//! let (trees, lights) = (Trees::build(&scene), Lights::build(&scene));
+//! let (trees, lights) = (Trees::build(&scene)?, Lights::build(&scene));
 //! let options = Options { width: 3, height: 2, samples: 4, ..Options::default() };
 //! let film = render(&scene, &trees, &lights, 0, &options, &mut |progress| {
 //!     println!("{} samples after {:?}", progress.film.samples, progress.elapsed);
 //!     ControlFlow::Continue(())
 //! });
 //! assert_eq!(film.image().pixels[0], [0.2, 0.4, 0.8, 1.0]);
+//! # Ok::<(), rotund_scene::SceneError>(())
 //! ```
 
 pub mod bsdf;

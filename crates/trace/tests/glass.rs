@@ -54,7 +54,7 @@ fn furnace(scene: &Scene) -> [f64; 3] {
 fn pixels(scene: &Scene, view: View) -> [f64; 3] {
     let options =
         Options { width: 48, height: 32, samples: 64, bounces: 4096, view, ..Options::default() };
-    let (trees, lights) = (Trees::build(scene), Lights::build(scene));
+    let (trees, lights) = (Trees::build(scene).expect("the scene is valid"), Lights::build(scene));
     let film =
         render(scene, &trees, &lights, 0, &options, &mut |_| ControlFlow::<()>::Continue(()));
     assert_eq!(film.rejected, 0, "every sample is a radiance");

@@ -23,7 +23,7 @@ const OPTIONS: Options = Options {
 
 fn picture(scene: &Scene, options: &Options, threads: usize) -> Film {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    let (trees, lights) = (Trees::build(scene), Lights::build(scene));
+    let (trees, lights) = (Trees::build(scene).expect("the scene is valid"), Lights::build(scene));
     pool.install(|| {
         render(
             scene,
@@ -55,7 +55,8 @@ fn another_seed_is_another_picture() {
 #[test]
 fn a_picture_that_was_interrupted_and_resumed_is_the_same() {
     let scene = support::glass_over_a_floor();
-    let (trees, lights) = (Trees::build(&scene), Lights::build(&scene));
+    let (trees, lights) =
+        (Trees::build(&scene).expect("the scene is valid"), Lights::build(&scene));
     let film = render(&scene, &trees, &lights, 0, &OPTIONS, &mut |progress: &Progress<'_>| {
         if progress.film.samples >= 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
@@ -73,7 +74,8 @@ fn a_picture_that_was_interrupted_and_resumed_is_the_same() {
 #[test]
 fn progress_counts_samples_and_rays() {
     let scene = support::glass_over_a_floor();
-    let (trees, lights) = (Trees::build(&scene), Lights::build(&scene));
+    let (trees, lights) =
+        (Trees::build(&scene).expect("the scene is valid"), Lights::build(&scene));
     let mut last = (0, 0);
     render(&scene, &trees, &lights, 0, &OPTIONS, &mut |progress: &Progress<'_>| {
         let now = (progress.film.samples, progress.rays);
@@ -135,7 +137,7 @@ fn a_damaged_checkpoint_is_refused() {
 fn a_picture_written_again_has_the_same_bytes() {
     let scene = support::glass_over_a_floor();
     let options = Options { width: 300, height: 200, samples: 1, ..OPTIONS };
-    let trees = Trees::build(&scene);
+    let trees = Trees::build(&scene).expect("the scene is valid");
     let layers = layers(&scene, &trees, 0, &options);
     // Tiles of very unequal work.
     let value = |i: u32| if i % 300 < 150 { 0.25 } else { (i as f32 * 0.7).sin().exp() };

@@ -1,32 +1,37 @@
-//! Rounded cones, and the lines that stand for them in the vanilla form.
+//! Rounded cones, and the lines that replace them in the vanilla method.
 //!
-//! # The reject
+//! # The wide test
 //!
-//! A ray that hits comes within the larger radius of the axis, and the vanilla form asks for the same.
-//! Seen along the ray the axis is a segment from `a` to `b` in a plane, and the ray is the origin:
-//! the point of the segment closest to it, at `s = clamp(a·(a - b) / |a - b|²)`, is at the distance
-//! asked for.
+//! A ray that hits comes within the larger radius of the axis; the same holds for the vanilla line.
+//! Projected along the ray, the axis is a segment from `a` to `b` in a plane and the ray is the
+//! origin of the plane. The point of the segment closest to it, at
+//! `s = clamp(a·(a - b) / |a - b|²)`, has the distance of the ray from the axis.
 //!
-//! As for spheres, the ends are wrong by less than `e = 12 u D`, where `D` is the distance of an end from
-//! the origin of the ray. An error of `s` moves the point along the segment by at most
-//! `min(|b - a|, |a| e / |b - a|)`, which at its largest, `sqrt(|a| e)`, adds `|a| e` to the squared
-//! distance; where that matters `|a|` is about `r`, so that `r e < (r + e)² - r²` pays for it once more.
-//! So a lane is kept if `distance² <= (1 + 2^-9) r² + 2^-28 D²`, which is more than `(r + 3 e)²`.
+//! As for spheres, the errors of the ends are less than `e = 12 u D`, where `D` is the distance of
+//! an end from the origin of the ray. An error of `s` moves the point along the segment by at most
+//! `min(|b - a|, |a| e / |b - a|)`. Its maximum, `sqrt(|a| e)`, adds `|a| e` to the squared
+//! distance; where that matters `|a|` is about `r`, so that it is covered by counting
+//! `r e < (r + e)² - r²` once more. So a lane is kept if `distance² <= (1 + 2^-9) r² + 2^-28 D²`,
+//! which is more than `(r + 3 e)²`.
 //!
-//! The hull of the balls has no point nearer along the ray than the nearer pole of the two balls.
+//! The first hit is not before the nearer of the two points where the balls begin along the ray.
 
-use super::kernel::{Block, Candidates, Kernel, RoundLanes, dot, load3, neg_mul_add, sub};
+use super::kernel::{Block, Candidates, Kernel};
+use super::method_tag::MethodTag;
+use super::round::RoundLanes;
+use super::vec3::{self, dot, neg_mul_add, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, Hit, Ray, RoundedCone, vanilla};
+use rotund_geometry::{Aabb, RoundedCone, vanilla};
 
 impl Kernel for RoundedCone {
+    type Vanilla = vanilla::Line;
     type Block = Block<8>;
-    const APART: bool = true;
+    const OUTLINE_EXACT_TEST: bool = true;
     type Lanes<S: Simd> = RoundLanes<S>;
 
-    fn bounds(&self) -> Aabb {
+    fn tree_bounds(&self) -> Aabb {
         let finite = self.p0.is_finite()
             && self.p1.is_finite()
             && self.r0.is_finite()
@@ -63,28 +68,31 @@ impl Kernel for RoundedCone {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd, const VANILLA: bool>(
+    fn candidates<S: Simd, M: MethodTag>(
         simd: S,
         ray: &RoundLanes<S>,
         block: &Block<8>,
         limit: f32,
     ) -> Candidates<S> {
         let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref();
-        let first = ray.project(simd, load3(simd, [x0, y0, z0]));
-        let second = ray.project(simd, load3(simd, [x1, y1, z1]));
+        let first = ray.project(simd, vec3::load(simd, [x0, y0, z0]));
+        let second = ray.project(simd, vec3::load(simd, [x1, y1, z1]));
         let (r0, r1) = (simd.load(r0), simd.load(r1));
-        let axis = sub(simd, first.beside, second.beside);
-        let s = simd.div(dot(simd, first.beside, axis), dot(simd, axis, axis));
-        // An axis along the ray gives NaN, and then zero.
+        let axis = sub(simd, first.perpendicular, second.perpendicular);
+        let s = simd.div(dot(simd, first.perpendicular, axis), dot(simd, axis, axis));
+        // An axis along the ray gives a NaN, which the order of the arguments replaces by zero.
         let s = simd.min(simd.max(s, simd.splat(0.0)), simd.splat(1.0));
-        let beside = neg_mul_add(simd, s, axis, first.beside);
-        let distance = dot(simd, beside, beside);
+        let perpendicular = neg_mul_add(simd, s, axis, first.perpendicular);
+        let distance = dot(simd, perpendicular, perpendicular);
         let radius = simd.max(r0, r1);
         let square = simd.mul_add(radius, radius, simd.splat(f32::MIN_POSITIVE));
         let reach = simd.mul_add(
             square,
             simd.splat(1.0 + 1.0 / 512.0),
-            simd.mul(simd.max(first.square, second.square), simd.splat(2f32.powi(-28))),
+            simd.mul(
+                simd.max(first.distance_squared, second.distance_squared),
+                simd.splat(2f32.powi(-28)),
+            ),
         );
         let kept = simd.mask_not_gt(distance, reach);
         if kept == 0 {
@@ -100,22 +108,12 @@ impl Kernel for RoundedCone {
         let near = simd.min(simd.sub(first.t, h0), simd.sub(second.t, h1));
         let far = simd.max(simd.add(first.t, h0), simd.add(second.t, h1));
         let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(ray.start, far);
-        // In this order a NaN becomes the start.
-        Candidates { maybe: kept & within, surely: 0, near: simd.max(near, ray.start), far }
+        // The order of the arguments replaces a NaN by the start.
+        Candidates { possible: kept & within, certain: 0, near: simd.max(near, ray.start), far }
     }
 
     #[inline(always)]
-    fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit> {
-        if VANILLA { line(self).closest(ray) } else { self.closest(ray) }
+    fn vanilla(&self) -> vanilla::Line {
+        vanilla::Line { p0: self.p0, r0: self.r0, p1: self.p1, r1: self.r1 }
     }
-
-    #[inline(always)]
-    fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
-        if VANILLA { line(self).closest_t(ray) } else { self.closest_t(ray) }
-    }
-}
-
-#[inline(always)]
-fn line(cone: &RoundedCone) -> vanilla::Line {
-    vanilla::Line { p0: cone.p0, r0: cone.r0, p1: cone.p1, r1: cone.r1 }
 }

@@ -1,63 +1,74 @@
-//! What patches and triangles share: their corners, seen along the ray.
+//! Ray space, in which the wide tests of patches and triangles work.
 //!
-//! The origin of the ray moves to zero and a shear brings its direction onto the dominant axis `z`;
-//! then the ray meets the hull of the corners if zero is in the hull of the corners' `(x, y)`.
+//! A translation moves the origin of the ray to zero, and a shear turns its direction to the
+//! dominant axis `z`. The line then meets the convex hull of corners if zero lies in the hull of
+//! their `(x, y)`.
 //!
-//! With `u = 2^-24`, `S` the largest side of the box of the corners and `Z` the largest `|z|`, a sheared
-//! coordinate is wrong by less than `4 u (|x| + |z|)`. A ray that meets the hull sees all corners within
-//! `2 S` of zero, since the slopes are at most one. So the signed area `x_i y_j - x_j y_i` of such a ray is
-//! wrong by less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`, for which `2^-18 S (|z_0| + 4 S)` is enough, `z_0`
-//! being that of any one corner. Signs within that count as either.
+//! # Errors of areas
 //!
-//! That a ray hits for sure must not rest on its being near: there, `x_0` and `y_0` are asked to be at most
-//! `2 S`, so that all corners are within `4 S`, and four times the error is allowed for.
+//! With `u = 2^-24`, `S` the longest side of the box of the corners and `Z` the largest `|z|`, the
+//! error of a sheared coordinate is less than `4 u (|x| + |z|)`. If the line meets the hull, all
+//! corners are within `2 S` of zero, since the slopes of the shear are at most one. So the error of
+//! a signed area `x_i y_j - x_j y_i` is then less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`. The
+//! bound in use, `2^-18 S (|z_0| + 4 S)` with the `z_0` of any one corner, exceeds this. An area
+//! within the bound counts as positive and as negative.
 //!
-//! A ray that leaves what it started from has its crossing behind it. Of a triangle that it meets, the areas are
-//! shares of the corners, all of the sign of their sum, so the crossing is before or behind the origin by the
-//! sign of the volume `a_12 z_0 + a_20 z_1 + a_01 z_2`. With `E` the error of an area this is wrong by less than
-//! `3 E Z`, and `96 u S² Z` from rounding: `4 E (|z_0| + S)` is enough.
+//! A certain hit must not presuppose that the line passes near. So it requires `x_0` and `y_0` of
+//! at most `2 S`, which puts all corners within `4 S`, and areas beyond four times the bound.
 //!
-//! Divided by the sum of the areas, which is wrong by less than `4 E`, that volume is the `z` of the crossing. The
-//! crossing is at `Z` at most, so the quotient is wrong by less than both errors together, `8 E (|z_0| + S)`, over
-//! the computed sum. For a triangle that is large as seen from the ray this says much more than the `z` of its corners.
+//! # Crossings in front of and behind the origin
+//!
+//! A ray that leaves a surface has its crossing with that surface behind it. If the line meets a
+//! triangle, the areas are weights of the corners, all of the sign of their sum. So the sign of the
+//! volume `a_12 z_0 + a_20 z_1 + a_01 z_2` tells whether the crossing is in front of or behind
+//! the origin. With `E` the error of an area, the error of the volume is less than `3 E Z`, and
+//! `96 u S² Z` from rounding; the bound in use is `4 E (|z_0| + S)`.
+//!
+//! The volume over the sum of the areas, whose error is less than `4 E`, is the `z` of the
+//! crossing. As that is `Z` at most, the error of the quotient is less than the sum of both errors,
+//! `8 E (|z_0| + S)`, over the computed sum. For a triangle that is large compared with its
+//! distance this range is much narrower than that of the `z` of its corners.
 
-use super::kernel::{Candidates, dot, load3, splat, sub};
+use super::kernel::Candidates;
+use super::vec3::{self, dot, splat, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
 use rotund_geometry::glam::Vec3;
 
-/// A mask of all lanes.
-const ALL: u32 = (1 << WIDTH) - 1;
+/// The mask of all lanes.
+const ALL_LANES: u32 = (1 << WIDTH) - 1;
 
-/// A ray as flat primitives see it.
+/// A ray, prepared for flat primitives.
 #[derive(Clone, Copy)]
 pub struct FlatLanes<S: Simd> {
-    /// The axes that become x, y and z.
+    /// The axes that become x, y and z of ray space.
     axes: [usize; 3],
     origin: [S::Lanes; 3],
+    /// The shear: the change of x and y per unit of z along the ray.
     slope: [S::Lanes; 2],
-    /// From `z` to the parameter.
+    /// The parameter per unit of z.
     inverse: S::Lanes,
     start: S::Lanes,
     end: S::Lanes,
     /// 1 with the sign of `inverse`.
-    sense: S::Lanes,
+    sign: S::Lanes,
     /// All lanes if the interval starts behind the origin, else none.
-    backwards: u32,
+    starts_behind: u32,
 }
 
 impl<S: Simd> FlatLanes<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &SlabRay) -> Self {
         let size = ray.direction.abs();
-        let over = [
+        let greater = [
             usize::from(size.x > size.y),
             usize::from(size.x > size.z),
             usize::from(size.y > size.z),
         ];
-        // 0 if x is the largest, 1 if y is, else 2: without a branch, which would be hard to predict.
-        let z = 2 - (2 * (over[0] & over[1]) + (over[2] & (over[0] ^ 1)));
+        // 0 if x is the largest, 1 if y is, else 2. Branch-free: the dominant axis is
+        // unpredictable.
+        let z = 2 - (2 * (greater[0] & greater[1]) + (greater[2] & (greater[0] ^ 1)));
         let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
         let axes = [x, y, z];
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
@@ -69,17 +80,17 @@ impl<S: Simd> FlatLanes<S> {
             inverse: simd.splat(d.z.recip()),
             start: simd.splat(ray.start),
             end: simd.splat(ray.end),
-            sense: simd.splat(1f32.copysign(d.z)),
-            backwards: if ray.start < 0.0 { ALL } else { 0 },
+            sign: simd.splat(1f32.copysign(d.z)),
+            starts_behind: if ray.start < 0.0 { ALL_LANES } else { 0 },
         }
     }
 
-    /// Loads a corner, given its three rows, and looks at it along the ray.
+    /// Loads a corner from its three rows and transforms it to ray space.
     #[inline(always)]
     pub(crate) fn corner(&self, simd: S, rows: &[[f32; WIDTH]; 3]) -> Corner<S> {
         let [x, y, z] = self.axes;
-        let picked = load3(simd, [&rows[x % 3], &rows[y % 3], &rows[z % 3]]);
-        let [x, y, z] = sub(simd, picked, self.origin);
+        let permuted = vec3::load(simd, [&rows[x % 3], &rows[y % 3], &rows[z % 3]]);
+        let [x, y, z] = sub(simd, permuted, self.origin);
         Corner {
             x: simd.neg_mul_add(z, self.slope[0], x),
             y: simd.neg_mul_add(z, self.slope[1], y),
@@ -87,74 +98,76 @@ impl<S: Simd> FlatLanes<S> {
         }
     }
 
-    /// How far a signed area may be from the truth, derived above.
+    /// Bound on the error of a signed area, derived above.
     #[inline(always)]
     pub(crate) fn area_error(&self, simd: S, size: S::Lanes, z: S::Lanes) -> S::Lanes {
         let depth = simd.mul_add(size, simd.splat(4.0), simd.abs(z));
         let error = simd.mul(size, simd.splat(2f32.powi(-18)));
-        // Products that underflow are off by less than the smallest normal number.
+        // Covers products that underflow.
         simd.mul_add(error, depth, simd.splat(f32::MIN_POSITIVE))
     }
 
-    /// Lanes where the outline, of which these are the least and the largest area, turns around the ray
-    /// beyond all error.
+    /// Lanes whose outline certainly winds around the ray. `smallest` and `largest` are the
+    /// extremes of its signed areas.
     #[inline(always)]
-    pub(crate) fn surely(
+    pub(crate) fn certain_inside(
         &self,
         simd: S,
         corner: &Corner<S>,
         size: S::Lanes,
         error: S::Lanes,
-        [least, most]: [S::Lanes; 2],
+        [smallest, largest]: [S::Lanes; 2],
     ) -> u32 {
         let error = simd.mul(error, simd.splat(4.0));
-        let turns =
-            simd.mask_le(error, least) | simd.mask_le(most, simd.sub(simd.splat(0.0), error));
-        let away = simd.max(simd.abs(corner.x), simd.abs(corner.y));
-        turns & simd.mask_le(away, simd.add(size, size))
+        let winds =
+            simd.mask_le(error, smallest) | simd.mask_le(largest, simd.sub(simd.splat(0.0), error));
+        let distance = simd.max(simd.abs(corner.x), simd.abs(corner.y));
+        winds & simd.mask_le(distance, simd.add(size, size))
     }
 
-    /// Of the lanes where the line may cross a triangle, those where it may do so before the origin.
+    /// Lanes whose triangle the line may cross in front of the origin (or anywhere, if the interval
+    /// starts behind it).
     #[inline(always)]
-    pub(crate) fn ahead(
+    pub(crate) fn crossing_ahead(
         &self,
         simd: S,
         areas: [S::Lanes; 3],
         error: S::Lanes,
         [volume, slack]: [S::Lanes; 2],
     ) -> u32 {
-        let volume = simd.mul(volume, self.sense);
+        let volume = simd.mul(volume, self.sign);
         let zero = simd.splat(0.0);
-        let positive = simd.mask_not_gt(simd.sub(zero, error), least(simd, areas));
-        let negative = simd.mask_not_gt(most(simd, areas), error);
-        positive & (self.backwards | simd.mask_not_gt(simd.sub(zero, slack), volume))
-            | negative & (self.backwards | simd.mask_not_gt(volume, slack))
+        let positive = simd.mask_not_gt(simd.sub(zero, error), min3(simd, areas));
+        let negative = simd.mask_not_gt(max3(simd, areas), error);
+        positive & (self.starts_behind | simd.mask_not_gt(simd.sub(zero, slack), volume))
+            | negative & (self.starts_behind | simd.mask_not_gt(volume, slack))
     }
 
-    /// Of the lanes that the line may cross, and of those that it surely does, those where it does so
-    /// in the interval of the ray up to `limit`. If it does, it is at a `z` between the two.
+    /// Restricts the lanes that the line possibly and certainly crosses to crossings in the
+    /// interval of the ray up to `limit`. `smallest` and `largest` bound the `z` of a crossing.
     #[inline(always)]
     pub(crate) fn candidates(
         &self,
         simd: S,
-        [least, most]: [S::Lanes; 2],
+        [smallest, largest]: [S::Lanes; 2],
         limit: f32,
-        maybe: u32,
-        surely: u32,
+        possible: u32,
+        certain: u32,
     ) -> Candidates<S> {
-        let (a, b) = (simd.mul(least, self.inverse), simd.mul(most, self.inverse));
+        let (a, b) = (simd.mul(smallest, self.inverse), simd.mul(largest, self.inverse));
         let slack = simd.splat(2f32.powi(-20));
         let (near, far) = (simd.min(a, b), simd.max(a, b));
         let near = simd.neg_mul_add(simd.abs(near), slack, near);
         let far = simd.mul_add(simd.abs(far), slack, far);
         let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(self.start, far);
         let inside = simd.mask_le(self.start, near) & simd.mask_le(far, self.end);
-        let maybe = maybe & within;
-        Candidates { maybe, surely: surely & inside & maybe, near: simd.max(near, self.start), far }
+        let possible = possible & within;
+        let certain = certain & inside & possible;
+        Candidates { possible, certain, near: simd.max(near, self.start), far }
     }
 }
 
-/// The volume that the ray spans with a triangle, and a bound on its error.
+/// The volume, derived above, of a triangle, and a bound on its error.
 #[inline(always)]
 pub(crate) fn volume<S: Simd>(
     simd: S,
@@ -169,35 +182,38 @@ pub(crate) fn volume<S: Simd>(
     [dot(simd, areas, [corners[0].z, corners[1].z, corners[2].z]), slack]
 }
 
-/// The least and the largest `z` of some corners.
+/// The smallest and the largest `z` of corners.
 #[inline(always)]
-pub(crate) fn range<S: Simd>(simd: S, corners: &[Corner<S>]) -> [S::Lanes; 2] {
-    let (mut least, mut most) = (corners[0].z, corners[0].z);
+pub(crate) fn z_range<S: Simd>(simd: S, corners: &[Corner<S>]) -> [S::Lanes; 2] {
+    let (mut smallest, mut largest) = (corners[0].z, corners[0].z);
     for corner in &corners[1..] {
-        (least, most) = (simd.min(corner.z, least), simd.max(corner.z, most));
+        smallest = simd.min(corner.z, smallest);
+        largest = simd.max(corner.z, largest);
     }
-    [least, most]
+    [smallest, largest]
 }
 
-/// Of a range of `z` in which a line crosses a triangle the part that areas and volume leave, derived above.
+/// Narrows the range of `z` in which the line may cross a triangle by its areas and volume, as
+/// derived above.
 #[inline(always)]
-pub(crate) fn crossing<S: Simd>(
+pub(crate) fn crossing_range<S: Simd>(
     simd: S,
     [a, b, c]: [S::Lanes; 3],
     [volume, slack]: [S::Lanes; 2],
-    [least, most]: [S::Lanes; 2],
+    [smallest, largest]: [S::Lanes; 2],
 ) -> [S::Lanes; 2] {
     let inverse = simd.div(simd.splat(1.0), simd.add(simd.add(a, b), c));
     let z = simd.mul(volume, inverse);
-    // Of the slack 2 are needed, one is for rounding; beside it that of the quotient, infinite if it overflows.
+    // Twice the slack bounds the error; the third covers rounding. The quotient adds its own
+    // rounding, which is infinite if it overflows.
     let slack = simd.mul(slack, simd.splat(3.0));
     let slack = simd.mul_add(simd.abs(volume), simd.splat(2f32.powi(-20)), slack);
     let error = simd.mul(slack, simd.abs(inverse));
-    // A NaN leaves the range as it was.
-    [simd.max(simd.sub(z, error), least), simd.min(simd.add(z, error), most)]
+    // The order of the arguments keeps the range where there is a NaN.
+    [simd.max(simd.sub(z, error), smallest), simd.min(simd.add(z, error), largest)]
 }
 
-/// A corner in the sheared space.
+/// A corner in ray space.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner<S: Simd> {
     pub(crate) x: S::Lanes,
@@ -205,23 +221,25 @@ pub(crate) struct Corner<S: Simd> {
     pub(crate) z: S::Lanes,
 }
 
+/// The smallest of three.
 #[inline(always)]
-pub(crate) fn least<S: Simd>(simd: S, [a, b, c]: [S::Lanes; 3]) -> S::Lanes {
+pub(crate) fn min3<S: Simd>(simd: S, [a, b, c]: [S::Lanes; 3]) -> S::Lanes {
     simd.min(simd.min(a, b), c)
 }
 
+/// The largest of three.
 #[inline(always)]
-pub(crate) fn most<S: Simd>(simd: S, [a, b, c]: [S::Lanes; 3]) -> S::Lanes {
+pub(crate) fn max3<S: Simd>(simd: S, [a, b, c]: [S::Lanes; 3]) -> S::Lanes {
     simd.max(simd.max(a, b), c)
 }
 
 /// Twice the signed area of the triangle (zero, a, b).
 #[inline(always)]
-pub(crate) fn area<S: Simd>(simd: S, a: Corner<S>, b: Corner<S>) -> S::Lanes {
+pub(crate) fn signed_area<S: Simd>(simd: S, a: Corner<S>, b: Corner<S>) -> S::Lanes {
     simd.neg_mul_add(b.x, a.y, simd.mul(a.x, b.y))
 }
 
-/// The largest side of the box of some corners; infinite if it overflows.
+/// The longest side of the box of corners; infinite if it overflows.
 pub(crate) fn largest_side(corners: &[Vec3]) -> f32 {
     let bounds = rotund_geometry::Aabb::from_points(corners.iter().copied());
     (bounds.max - bounds.min).max_element()

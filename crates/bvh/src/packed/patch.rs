@@ -1,25 +1,29 @@
-//! Bilinear patches, and the pairs of triangles that stand for them in the vanilla form.
+//! Bilinear patches, and the pairs of triangles that replace them in the vanilla method.
 //!
-//! # The reject
+//! # The wide test
 //!
-//! Seen along the ray (`flat.rs`), a triangle is met if its three signed areas have the same sign, so if the least of
-//! them is not negative or the largest not positive. The vanilla form is two triangles. The patch lies in the
-//! tetrahedron of the corners, whose picture is the union of those of its four faces.
+//! In ray space (`flat.rs`) the origin lies inside a triangle if its three signed areas have the
+//! same sign, so if the smallest is not negative or the largest not positive. The vanilla shape is
+//! two triangles. The patch lies in the tetrahedron of its corners, whose projection is the union
+//! of the projections of its four faces.
 
-use super::flat::{FlatLanes, area, largest_side, least, most, range, volume};
+use super::flat::{FlatLanes, largest_side, max3, min3, signed_area, volume, z_range};
 use super::kernel::{Aligned, Block, Candidates, Kernel};
+use super::method_tag::MethodTag;
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, vanilla};
+use rotund_geometry::{Aabb, BilinearPatch, Method, vanilla};
 
-/// Rows: the corners p00, p10, p11, p01 (around the patch), and the largest side of their box.
+/// Rows of the block: the corners p00, p10, p11, p01 (around the patch), and the longest side of
+/// their box.
 impl Kernel for BilinearPatch {
+    type Vanilla = vanilla::Quad;
     type Block = Aligned<Block<13>>;
-    const APART: bool = false;
+    const OUTLINE_EXACT_TEST: bool = false;
     type Lanes<S: Simd> = FlatLanes<S>;
 
-    fn bounds(&self) -> Aabb {
+    fn tree_bounds(&self) -> Aabb {
         let finite = [self.p00, self.p10, self.p01, self.p11].iter().all(|p| p.is_finite());
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
@@ -55,7 +59,7 @@ impl Kernel for BilinearPatch {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd, const VANILLA: bool>(
+    fn candidates<S: Simd, M: MethodTag>(
         simd: S,
         ray: &FlatLanes<S>,
         block: &Aligned<Block<13>>,
@@ -66,21 +70,21 @@ impl Kernel for BilinearPatch {
         let c1 = ray.corner(simd, &corners[1]);
         let c2 = ray.corner(simd, &corners[2]);
         let c3 = ray.corner(simd, &corners[3]);
-        let (a01, a12) = (area(simd, c0, c1), area(simd, c1, c2));
-        let (a23, a30) = (area(simd, c2, c3), area(simd, c3, c0));
-        let (a02, a13) = (area(simd, c0, c2), area(simd, c1, c3));
+        let (a01, a12) = (signed_area(simd, c0, c1), signed_area(simd, c1, c2));
+        let (a23, a30) = (signed_area(simd, c2, c3), signed_area(simd, c3, c0));
+        let (a02, a13) = (signed_area(simd, c0, c2), signed_area(simd, c1, c3));
         let zero = simd.splat(0.0);
-        // In the other direction rounding is the same but for the sign.
+        // The areas of the reversed edges have the same bits but for the sign.
         let (a20, a31) = (simd.sub(zero, a02), simd.sub(zero, a13));
-        // The triangles of the vanilla form, and the other two faces.
+        // The triangles of the vanilla quad, and the other two faces of the tetrahedron.
         let (first, second) = ([a13, a30, a01], [a31, a12, a23]);
-        let others = [[a12, a20, a01], [a02, a23, a30]];
-        let mut positive = simd.max(least(simd, first), least(simd, second));
-        let mut negative = simd.min(most(simd, first), most(simd, second));
-        if !VANILLA {
-            for face in others {
-                positive = simd.max(positive, least(simd, face));
-                negative = simd.min(negative, most(simd, face));
+        let other_faces = [[a12, a20, a01], [a02, a23, a30]];
+        let mut positive = simd.max(min3(simd, first), min3(simd, second));
+        let mut negative = simd.min(max3(simd, first), max3(simd, second));
+        if matches!(M::METHOD, Method::Enhanced) {
+            for face in other_faces {
+                positive = simd.max(positive, min3(simd, face));
+                negative = simd.min(negative, max3(simd, face));
             }
         }
         let size = simd.load(&block.0.rows[12]);
@@ -90,33 +94,23 @@ impl Kernel for BilinearPatch {
         if kept == 0 {
             return Candidates::none(simd);
         }
-        if VANILLA {
-            let of_first = volume(simd, [&c0, &c1, &c3], first, size, error);
-            let of_second = volume(simd, [&c2, &c3, &c1], second, size, error);
-            kept =
-                ray.ahead(simd, first, error, of_first) | ray.ahead(simd, second, error, of_second);
+        if matches!(M::METHOD, Method::Vanilla) {
+            let first_volume = volume(simd, [&c0, &c1, &c3], first, size, error);
+            let second_volume = volume(simd, [&c2, &c3, &c1], second, size, error);
+            kept = ray.crossing_ahead(simd, first, error, first_volume)
+                | ray.crossing_ahead(simd, second, error, second_volume);
         }
-        // If the outline turns around the ray, the ray passes through, in both forms.
-        let ends = [
-            simd.min(least(simd, [a01, a12, a23]), a30),
-            simd.max(most(simd, [a01, a12, a23]), a30),
+        // If the outline winds around the ray, the ray passes through, with both methods.
+        let extremes = [
+            simd.min(min3(simd, [a01, a12, a23]), a30),
+            simd.max(max3(simd, [a01, a12, a23]), a30),
         ];
-        let surely = ray.surely(simd, &c0, size, error, ends);
-        ray.candidates(simd, range(simd, &[c0, c1, c2, c3]), limit, kept, surely)
+        let certain = ray.certain_inside(simd, &c0, size, error, extremes);
+        ray.candidates(simd, z_range(simd, &[c0, c1, c2, c3]), limit, kept, certain)
     }
 
     #[inline(always)]
-    fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit> {
-        if VANILLA { quad(self).closest(ray) } else { self.closest(ray) }
+    fn vanilla(&self) -> vanilla::Quad {
+        vanilla::Quad { p0: self.p00, p1: self.p10, p2: self.p11, p3: self.p01 }
     }
-
-    #[inline(always)]
-    fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
-        if VANILLA { quad(self).closest_t(ray) } else { self.closest_t(ray) }
-    }
-}
-
-#[inline(always)]
-fn quad(patch: &BilinearPatch) -> vanilla::Quad {
-    vanilla::Quad { p0: patch.p00, p1: patch.p10, p2: patch.p11, p3: patch.p01 }
 }

@@ -1,44 +1,46 @@
-//! What a packed tree is made of, and what a ray sees of it.
+//! Size and expected cost of a packed tree, and the cost of single rays.
 
+use super::Packed;
+use super::closest::ClosestVisitor;
 use super::kernel::{HasIds, Kernel, NO_ID};
-use super::{FindClosest, Form, Packed};
+use super::method_tag::{Enhanced, MethodTag, Vanilla};
 use crate::node::{Child, Node, WIDTH};
 use crate::simd::Portable;
 use crate::slab::SlabRay;
-use crate::traverse::{self, Closest, Leaves};
-use rotund_geometry::Ray;
+use crate::traverse;
+use rotund_geometry::{Method, Ray};
 
-/// The size of a tree.
+/// The size and the expected cost of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
-    /// Primitives in the tree: without those that were left out.
+    /// Number of primitives, without those that were left out.
     pub primitives: usize,
-    /// Inner nodes.
+    /// Number of inner nodes.
     pub nodes: usize,
-    /// Children of inner nodes; of eight slots each.
+    /// Number of children of all inner nodes, which have eight slots each.
     pub children: usize,
-    /// Leaves: blocks of up to eight primitives.
+    /// Number of leaves: blocks of up to eight primitives.
     pub leaves: usize,
-    /// Nodes above the deepest leaf.
+    /// Number of nodes above the deepest leaf.
     pub depth: usize,
-    /// Bytes of nodes and leaves.
+    /// Size of nodes and leaves in bytes.
     pub bytes: usize,
-    /// The surface area heuristic: how many nodes and leaves a long random line through the box of the
-    /// tree meets, on average.
+    /// Cost by the surface area heuristic: the mean number of nodes and leaves that a random line
+    /// through the box of the tree visits.
     pub sah: f64,
 }
 
-/// What one ray visits.
+/// The numbers of nodes and primitives that one ray visits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Visits {
-    /// Nodes whose children were tested.
+    /// Number of nodes whose children were tested.
     pub nodes: u32,
-    /// Primitives that the wide test looked at.
+    /// Number of primitives in the leaves that were tested.
     pub primitives: u32,
 }
 
 impl<P: Kernel> Packed<P> {
-    /// Looks through the whole tree and reports its size.
+    /// Traverses the whole tree and reports its size and expected cost.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         let used = |ids: &[u32; WIDTH]| ids.iter().filter(|&&id| id != NO_ID).count();
@@ -56,8 +58,8 @@ impl<P: Kernel> Packed<P> {
             return statistics;
         }
         statistics.sah = 1.0;
-        let mut waiting = vec![(self.tree.root, 1)];
-        while let Some((child, depth)) = waiting.pop() {
+        let mut stack = vec![(self.tree.root, 1)];
+        while let Some((child, depth)) = stack.pop() {
             let node: &Node = &self.tree.nodes[child.index()];
             statistics.depth = statistics.depth.max(depth);
             for (slot, &child) in node.children.iter().enumerate() {
@@ -69,46 +71,46 @@ impl<P: Kernel> Packed<P> {
                     statistics.sah += f64::from(node.bounds(slot).half_area()) / whole;
                 }
                 if !child.is_leaf() {
-                    waiting.push((child, depth + 1));
+                    stack.push((child, depth + 1));
                 }
             }
         }
         statistics
     }
 
-    /// What [`Packed::closest`] visits for this ray. (The instruction sets differ in what they look at
-    /// by a few in a million; this counts for the portable one.)
+    /// Returns what [`Packed::closest`] visits for this ray. This counts for the portable
+    /// instruction set; the numbers of other sets differ by a few in a million.
     #[must_use]
-    pub fn visits(&self, ray: &Ray, form: Form) -> Visits {
-        match form {
-            Form::Enhanced => self.count::<false>(ray),
-            Form::Vanilla => self.count::<true>(ray),
+    pub fn visits(&self, ray: &Ray, method: Method) -> Visits {
+        match method {
+            Method::Enhanced => self.count_visits::<Enhanced>(ray),
+            Method::Vanilla => self.count_visits::<Vanilla>(ray),
         }
     }
 
-    fn count<const VANILLA: bool>(&self, ray: &Ray) -> Visits {
+    fn count_visits<M: MethodTag>(&self, ray: &Ray) -> Visits {
         let Some(slab_ray) = SlabRay::new(ray) else { return Visits::default() };
-        let find = FindClosest::<Portable, P, VANILLA>::new(Portable, self, ray, &slab_ray);
-        let mut counting = Counting { find, visits: Visits::default() };
+        let visitor = ClosestVisitor::<Portable, P, M>::new(Portable, self, ray, &slab_ray);
+        let mut counting = CountingVisitor { visitor, visits: Visits::default() };
         let limit = slab_ray.limit(ray.t_max);
         traverse::closest(Portable, &self.tree, &slab_ray, limit, &mut counting);
         counting.visits
     }
 }
 
-struct Counting<'a, P: Kernel, const VANILLA: bool> {
-    find: FindClosest<'a, Portable, P, VANILLA>,
+struct CountingVisitor<'a, P: Kernel, M> {
+    visitor: ClosestVisitor<'a, Portable, P, M>,
     visits: Visits,
 }
 
-impl<P: Kernel, const VANILLA: bool> Leaves<Portable> for Counting<'_, P, VANILLA> {}
+impl<P: Kernel, M: MethodTag> traverse::LeafVisitor<Portable> for CountingVisitor<'_, P, M> {}
 
-impl<P: Kernel, const VANILLA: bool> Closest<Portable> for Counting<'_, P, VANILLA> {
+impl<P: Kernel, M: MethodTag> traverse::ClosestVisitor<Portable> for CountingVisitor<'_, P, M> {
     #[inline(always)]
     fn leaf(&mut self, simd: Portable, index: usize, limit: f32) -> f32 {
-        let ids = self.find.packed.blocks[index].ids();
+        let ids = self.visitor.packed.blocks[index].ids();
         self.visits.primitives += ids.iter().filter(|&&id| id != NO_ID).count() as u32;
-        self.find.leaf(simd, index, limit)
+        self.visitor.leaf(simd, index, limit)
     }
 
     #[inline(always)]

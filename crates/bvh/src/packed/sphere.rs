@@ -1,37 +1,43 @@
-//! Spheres, and the points that stand for them in the vanilla form.
+//! Spheres, and the points that replace them in the vanilla method.
 //!
-//! # The reject
+//! # The wide test
 //!
 //! With `f = c - o`, the line passes the centre at the parameter `t = f·d / d·d`, at the distance
-//! `|f - t d|`. In `f32`, with `u = 2^-24` and `D = |f|`: each coordinate of `f` is rounded by `u`, the
-//! dot product by `3 u D |d|`, `1 / d·d` by `4 u`, and `t d` is subtracted with an error below `2 u D`. An
-//! error of `t` itself moves the vector only along `d`. All in all the distance is wrong by less than
-//! `e = 12 u D`. A lane is kept if
+//! `|f - t d|`. In `f32`, with `u = 2^-24` and `D = |f|`: each coordinate of `f` is rounded by `u`,
+//! the dot product has an error of `3 u D |d|`, `1 / d·d` one of `4 u`, and `t d` is subtracted
+//! with an error below `2 u D`. An error of `t` itself moves the vector only along `d`. In total
+//! the error of the distance is less than `e = 12 u D`. A lane is kept if
 //!
 //! ```text
 //! distance² <= (1 + 2^-9) r² + 2^-31 D²
 //! ```
 //!
-//! which is more than `(r + e)² <= (1 + 2^-9) r² + (1 + 2^9) e²`: the radius grows by a thousandth, or by
-//! `2^-15.5` of the distance. The smallest normal number is added for squares that underflow.
+//! The right side exceeds `(r + e)² <= (1 + 2^-9) r² + (1 + 2^9) e²`: the radius grows by a
+//! thousandth, or by `2^-15.5` of the distance. The smallest normal number is added for squares
+//! that underflow.
 //!
-//! The hits, in both forms, are within half a chord of `t`; the right side above minus the left
-//! bounds the half chord. With `1 - 2^-9` and `-2^-31` instead, what is left is less than the half chord,
-//! and if it is positive the sphere is hit for sure. The error of `t`, below `12 u D / |d|`, is covered by `2^-19 (|t| + r / |d|)`.
+//! The hits of both methods are within half a chord of `t`, and the right side above minus the left
+//! bounds the squared half chord. With `1 - 2^-9` and `-2^-31` instead, the difference is less than
+//! the squared half chord, and if it is positive the sphere is certainly hit. The error of `t`,
+//! below `12 u D / |d|`, is covered by `2^-19 (|t| + r / |d|)`.
 
-use super::kernel::{Block, Candidates, Kernel, RoundLanes, dot, load3};
+use super::kernel::{Block, Candidates, Kernel};
+use super::method_tag::MethodTag;
+use super::round::RoundLanes;
+use super::vec3::{self, dot};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, Hit, Ray, Sphere, vanilla};
+use rotund_geometry::{Aabb, Method, Sphere, vanilla};
 
 impl Kernel for Sphere {
+    type Vanilla = vanilla::Point;
     type Block = Block<4>;
-    const APART: bool = true;
+    const OUTLINE_EXACT_TEST: bool = true;
     type Lanes<S: Simd> = RoundLanes<S>;
 
-    fn bounds(&self) -> Aabb {
-        // In both forms only a positive radius hits.
+    fn tree_bounds(&self) -> Aabb {
+        // With both methods only a sphere of positive radius can be hit.
         let finite = self.center.is_finite() && self.radius.is_finite();
         if finite && self.radius > 0.0 { self.bounds() } else { Aabb::EMPTY }
     }
@@ -61,59 +67,50 @@ impl Kernel for Sphere {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd, const VANILLA: bool>(
+    fn candidates<S: Simd, M: MethodTag>(
         simd: S,
         ray: &RoundLanes<S>,
         block: &Block<4>,
         limit: f32,
     ) -> Candidates<S> {
         let [x, y, z, radius] = block.rows.each_ref();
-        let seen = ray.project(simd, load3(simd, [x, y, z]));
+        let center = ray.project(simd, vec3::load(simd, [x, y, z]));
         let radius = simd.load(radius);
-        let distance = dot(simd, seen.beside, seen.beside);
+        let distance = dot(simd, center.perpendicular, center.perpendicular);
         let square = simd.mul_add(radius, radius, simd.splat(f32::MIN_POSITIVE));
-        let error = simd.mul(seen.square, simd.splat(2f32.powi(-31)));
+        let error = simd.mul(center.distance_squared, simd.splat(2f32.powi(-31)));
         let reach = simd.mul_add(square, simd.splat(1.0 + 1.0 / 512.0), error);
         let kept = simd.mask_not_gt(distance, reach);
         if kept == 0 {
             return Candidates::none(simd);
         }
-        let half = simd.mul(simd.sqrt(simd.sub(reach, distance)), ray.inverse_length);
-        let size = simd.mul_add(radius, ray.inverse_length, simd.abs(seen.t));
+        let half_chord = simd.mul(simd.sqrt(simd.sub(reach, distance)), ray.inverse_length);
+        let size = simd.mul_add(radius, ray.inverse_length, simd.abs(center.t));
         let slack = simd.mul(size, simd.splat(2f32.powi(-19)));
-        let half = simd.add(half, slack);
-        let near = simd.sub(seen.t, half);
-        let far = simd.add(seen.t, half);
+        let half_chord = simd.add(half_chord, slack);
+        let near = simd.sub(center.t, half_chord);
+        let far = simd.add(center.t, half_chord);
         let within = simd.mask_not_gt(near, simd.splat(limit)) & simd.mask_not_gt(ray.start, far);
-        let maybe = kept & within;
-        // In this order a NaN becomes the start.
+        let possible = kept & within;
+        // The order of the arguments replaces a NaN by the start.
         let first = simd.max(near, ray.start);
-        if VANILLA {
-            return Candidates { maybe, surely: 0, near: first, far };
+        if matches!(M::METHOD, Method::Vanilla) {
+            return Candidates { possible, certain: 0, near: first, far };
         }
-        // The same with errors the other way. Where this has a root, the sphere is entered, at the
-        // latest there; a NaN, from the root of a negative number, is not sure.
+        // The same with the errors in the other direction. Where this square root is real, the ray
+        // enters the sphere at the resulting parameter at the latest. A lane with a NaN is not
+        // certain.
         let less = simd.add(simd.add(error, distance), simd.splat(f32::MIN_POSITIVE));
         let square = simd.mul(radius, radius);
-        let surely = simd.sub(simd.mul(square, simd.splat(1.0 - 1.0 / 512.0)), less);
-        let half = simd.mul(simd.sqrt(surely), ray.inverse_length);
-        let entry = simd.add(simd.sub(seen.t, half), slack);
-        let surely = simd.mask_le(ray.start, near) & simd.mask_le(entry, ray.end);
-        Candidates { maybe, surely: surely & maybe, near: first, far: entry }
+        let half_square = simd.sub(simd.mul(square, simd.splat(1.0 - 1.0 / 512.0)), less);
+        let half_chord = simd.mul(simd.sqrt(half_square), ray.inverse_length);
+        let entry = simd.add(simd.sub(center.t, half_chord), slack);
+        let certain = simd.mask_le(ray.start, near) & simd.mask_le(entry, ray.end);
+        Candidates { possible, certain: certain & possible, near: first, far: entry }
     }
 
     #[inline(always)]
-    fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit> {
-        if VANILLA { point(self).closest(ray) } else { self.closest(ray) }
+    fn vanilla(&self) -> vanilla::Point {
+        vanilla::Point { center: self.center, radius: self.radius }
     }
-
-    #[inline(always)]
-    fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
-        if VANILLA { point(self).closest_t(ray) } else { self.closest_t(ray) }
-    }
-}
-
-#[inline(always)]
-fn point(sphere: &Sphere) -> vanilla::Point {
-    vanilla::Point { center: sphere.center, radius: sphere.radius }
 }

@@ -1,21 +1,26 @@
-//! Triangles, which have one form only.
+//! Triangles, which are the same with both methods.
 //!
-//! The reject: the three signed areas, seen along the ray (`flat.rs`), do not have the same sign.
+//! The wide test rejects a triangle if its three signed areas in ray space (`flat.rs`) have
+//! different signs.
 
-use super::flat::{FlatLanes, area, crossing, largest_side, least, most, range, volume};
+use super::flat::{
+    FlatLanes, crossing_range, largest_side, max3, min3, signed_area, volume, z_range,
+};
 use super::kernel::{Block, Candidates, Kernel};
+use super::method_tag::MethodTag;
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, Hit, Ray, Triangle};
+use rotund_geometry::{Aabb, Triangle};
 
-/// Rows: the corners, and the largest side of their box.
+/// Rows of the block: the corners, and the longest side of their box.
 impl Kernel for Triangle {
+    type Vanilla = Self;
     type Block = Block<10>;
-    const APART: bool = false;
+    const OUTLINE_EXACT_TEST: bool = false;
     type Lanes<S: Simd> = FlatLanes<S>;
 
-    fn bounds(&self) -> Aabb {
+    fn tree_bounds(&self) -> Aabb {
         let finite = [self.p0, self.p1, self.p2].iter().all(|p| p.is_finite());
         if finite { self.bounds() } else { Aabb::EMPTY }
     }
@@ -46,7 +51,7 @@ impl Kernel for Triangle {
     }
 
     #[inline(always)]
-    fn candidates<S: Simd, const VANILLA: bool>(
+    fn candidates<S: Simd, M: MethodTag>(
         simd: S,
         ray: &FlatLanes<S>,
         block: &Block<10>,
@@ -56,10 +61,11 @@ impl Kernel for Triangle {
         let c0 = ray.corner(simd, &corners[0]);
         let c1 = ray.corner(simd, &corners[1]);
         let c2 = ray.corner(simd, &corners[2]);
-        let (a, b, c) = (area(simd, c0, c1), area(simd, c1, c2), area(simd, c2, c0));
+        let (a, b, c) =
+            (signed_area(simd, c0, c1), signed_area(simd, c1, c2), signed_area(simd, c2, c0));
         let size = simd.load(&block.rows[9]);
         let error = ray.area_error(simd, size, c0.z);
-        let (positive, negative) = (least(simd, [a, b, c]), most(simd, [a, b, c]));
+        let (positive, negative) = (min3(simd, [a, b, c]), max3(simd, [a, b, c]));
         let kept = simd.mask_not_gt(simd.sub(simd.splat(0.0), error), positive)
             | simd.mask_not_gt(negative, error);
         if kept == 0 {
@@ -67,19 +73,14 @@ impl Kernel for Triangle {
         }
         let areas = [b, c, a];
         let volume = volume(simd, [&c0, &c1, &c2], areas, size, error);
-        let kept = ray.ahead(simd, areas, error, volume);
-        let surely = ray.surely(simd, &c0, size, error, [positive, negative]);
-        let range = crossing(simd, areas, volume, range(simd, &[c0, c1, c2]));
-        ray.candidates(simd, range, limit, kept, surely)
+        let kept = ray.crossing_ahead(simd, areas, error, volume);
+        let certain = ray.certain_inside(simd, &c0, size, error, [positive, negative]);
+        let range = crossing_range(simd, areas, volume, z_range(simd, &[c0, c1, c2]));
+        ray.candidates(simd, range, limit, kept, certain)
     }
 
     #[inline(always)]
-    fn closest<const VANILLA: bool>(&self, ray: &Ray) -> Option<Hit> {
-        self.closest(ray)
-    }
-
-    #[inline(always)]
-    fn closest_t<const VANILLA: bool>(&self, ray: &Ray) -> Option<f32> {
-        self.closest_t(ray)
+    fn vanilla(&self) -> Self {
+        *self
     }
 }

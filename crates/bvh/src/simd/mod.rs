@@ -1,8 +1,8 @@
-//! Eight lanes of `f32`: the few operations that traversal and packed leaves need.
+//! Eight lanes of `f32`, with the operations that building, traversal and packed leaves need.
 //!
-//! Everything computed here only decides what to look at next, with errors on the safe side; so
-//! implementations may round differently (one fuses multiplications, another does not) and the
-//! answers of a tree are still the same bits.
+//! Results of these operations only decide which boxes and primitives are tested next, with
+//! conservative error bounds. So implementations may round differently (one fuses multiplications
+//! and additions, another does not), and the answers of a tree are still the same to the bit.
 
 mod portable;
 #[cfg(target_arch = "x86_64")]
@@ -15,16 +15,16 @@ pub(crate) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::{Avx2, Avx512};
 
-/// Something to do with an instruction set, compiled once for each.
-pub trait Task {
+/// A computation that is compiled once for each instruction set.
+pub trait WithSimd {
     type Output;
 
-    /// Implementations are `#[inline(always)]`, and so is all that they call with `simd`: only what
-    /// is inlined into [`Simd::run`] is compiled for the instruction set.
+    /// Implementations are `#[inline(always)]`, and so are all functions that they call with
+    /// `simd`: only code that is inlined into [`Simd::run`] is compiled for the instruction set.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
-/// An instruction set. A value of the type is the proof that the processor has it.
+/// An instruction set. A value of the type proves that the processor supports it.
 ///
 /// Comparisons are false for a NaN, and `min` and `max` return their **second** argument if either
 /// is NaN, as the x86 instructions do.
@@ -33,15 +33,15 @@ pub trait Simd: Copy {
     type Lanes: Copy;
 
     /// Runs `task` in a function that is compiled for this instruction set.
-    fn run<T: Task>(self, task: T) -> T::Output;
+    fn run<T: WithSimd>(self, task: T) -> T::Output;
 
-    /// The same in a function that is called, not inlined.
-    fn run_apart<T: Task>(self, task: T) -> T::Output;
+    /// Runs `task` in an outlined function that is compiled for this instruction set.
+    fn run_outlined<T: WithSimd>(self, task: T) -> T::Output;
 
-    /// Asks for the cache lines of `what`, which will be looked at soon.
+    /// Prefetches the cache lines of `value`.
     #[inline(always)]
-    fn prefetch<T>(self, what: &T) {
-        _ = what;
+    fn prefetch<T>(self, value: &T) {
+        _ = value;
     }
 
     fn load(self, from: &[f32; WIDTH]) -> Self::Lanes;
@@ -61,30 +61,30 @@ pub trait Simd: Copy {
     fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     /// Bit `i` is set if `a <= b` in lane `i`.
     fn mask_le(self, a: Self::Lanes, b: Self::Lanes) -> u32;
-    /// Bit `i` is set unless `a > b` in lane `i`: also beside a NaN.
+    /// Bit `i` is set unless `a > b` in lane `i`; so it is set if either is NaN.
     fn mask_not_gt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
 
-    /// Writes the entries of the children in `mask`, of which there are at least two, farthest first.
-    /// What follows them in `out` is of no meaning.
+    /// Writes stack entries for the children in `mask`, which are at least two, farthest first. The
+    /// entries of `out` after them are unspecified.
     fn order(
         self,
         near: Self::Lanes,
         mask: u32,
         children: &[Child; WIDTH],
-        out: &mut [MaybeUninit<Entry>; WIDTH],
+        out: &mut [MaybeUninit<StackEntry>; WIDTH],
     );
 }
 
-/// A child that waits: the bits of the parameter at which the ray enters it, not negative, above
-/// the child. So integers compare as the parameters do.
+/// A child on the traversal stack: the bits of the parameter at which the ray enters it, clamped to
+/// zero, above those of the child. Integers compare as the parameters do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(transparent)]
-pub struct Entry(pub(crate) u64);
+pub struct StackEntry(pub(crate) u64);
 
-impl Entry {
+impl StackEntry {
     #[inline(always)]
     pub(crate) fn new(near: f32, child: Child) -> Self {
-        // Also drops the sign of zero.
+        // Also removes the sign of a negative zero.
         let near = if near > 0.0 { near } else { 0.0 };
         Self(u64::from(near.to_bits()) << 32 | u64::from(child.0))
     }
@@ -100,20 +100,20 @@ impl Entry {
     }
 }
 
-/// [`Simd::order`] by insertion.
+/// [`Simd::order`] by insertion sort.
 #[inline(always)]
 fn order_by_insertion(
     near: [f32; WIDTH],
     mut mask: u32,
     children: &[Child; WIDTH],
-    out: &mut [MaybeUninit<Entry>; WIDTH],
+    out: &mut [MaybeUninit<StackEntry>; WIDTH],
 ) {
-    let mut sorted = [Entry(0); WIDTH];
+    let mut sorted = [StackEntry(0); WIDTH];
     let mut count = 0;
     while mask != 0 {
         let lane = mask.trailing_zeros() as usize % WIDTH;
         mask &= mask - 1;
-        let entry = Entry::new(near[lane], children[lane]);
+        let entry = StackEntry::new(near[lane], children[lane]);
         let mut at = count;
         while at > 0 && sorted[(at - 1) % WIDTH] < entry {
             sorted[at % WIDTH] = sorted[(at - 1) % WIDTH];

@@ -1,11 +1,12 @@
-//! Eight lanes as an array: the definition of what the faster versions do, and what runs where
-//! there is no faster one. The compiler turns it into SSE2 or NEON pairs.
+//! Eight lanes as an array: the reference that the faster versions are tested against, and the
+//! implementation where there is no faster one. The compiler turns it into pairs of SSE2 or NEON
+//! instructions.
 
-use super::{Entry, Simd, Task, order_by_insertion};
+use super::{Simd, StackEntry, WithSimd, order_by_insertion};
 use crate::node::{Child, WIDTH};
 use std::mem::MaybeUninit;
 
-/// Needs nothing of the processor.
+/// The baseline of the architecture, which every processor supports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Portable;
 
@@ -18,12 +19,12 @@ impl Simd for Portable {
     type Lanes = [f32; WIDTH];
 
     #[inline(always)]
-    fn run<T: Task>(self, task: T) -> T::Output {
+    fn run<T: WithSimd>(self, task: T) -> T::Output {
         task.run(self)
     }
 
     #[inline(never)]
-    fn run_apart<T: Task>(self, task: T) -> T::Output {
+    fn run_outlined<T: WithSimd>(self, task: T) -> T::Output {
         task.run(self)
     }
 
@@ -110,7 +111,7 @@ impl Simd for Portable {
         near: Self::Lanes,
         mask: u32,
         children: &[Child; WIDTH],
-        out: &mut [MaybeUninit<Entry>; WIDTH],
+        out: &mut [MaybeUninit<StackEntry>; WIDTH],
     ) {
         order_by_insertion(near, mask, children, out);
     }

@@ -1,12 +1,12 @@
 //! Eight lanes as one AVX register.
-#![expect(unsafe_code, reason = "vector instructions, behind proof that the processor has them")]
+#![expect(unsafe_code, reason = "vector instructions, guarded by values that prove their support")]
 
-use super::{Entry, Simd, Task, order_by_insertion};
+use super::{Simd, StackEntry, WithSimd, order_by_insertion};
 use crate::node::{Child, WIDTH};
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-/// The processor has AVX2, FMA and BMI2.
+/// Proof that the processor supports AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(());
 
@@ -22,10 +22,10 @@ impl Avx2 {
     }
 }
 
-/// The processor has what [`Avx2`] asks for, and AVX-512 F, VL, DQ and BW.
+/// Proof that the processor supports the features of [`Avx2`] and AVX-512 F, VL, DQ and BW.
 ///
-/// Registers are 256 bits wide: a node has eight children. The gain is in mask registers, twice as many
-/// vector registers and the compress instruction.
+/// Only 256-bit registers are used, since a node has eight children. The advantages over AVX2 are
+/// mask registers, twice as many vector registers and the compress instruction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx512(());
 
@@ -40,18 +40,18 @@ impl Avx512 {
     }
 }
 
-/// Safe methods from intrinsics.
+/// Safe methods over intrinsics.
 macro_rules! intrinsics {
     ($($name:ident($($a:ident),*) => $intrinsic:expr;)*) => {$(
         #[inline(always)]
         fn $name(self, $($a: Self::Lanes),*) -> Self::Lanes {
-            // SAFETY: `self` proves that the processor has the instruction.
+            // SAFETY: `self` proves that the processor supports the instruction.
             unsafe { $intrinsic }
         }
     )*};
 }
 
-/// A comparison as bits.
+/// A comparison of all lanes, as a bit mask.
 macro_rules! mask {
     (in_vectors, $predicate:ident, $a:ident, $b:ident) => {
         _mm256_movemask_ps(_mm256_cmp_ps::<$predicate>($a, $b)) as u32
@@ -67,38 +67,39 @@ macro_rules! implement {
             type Lanes = __m256;
 
             #[inline(always)]
-            fn run<T: Task>(self, task: T) -> T::Output {
+            fn run<T: WithSimd>(self, task: T) -> T::Output {
                 #[target_feature(enable = $features)]
-                fn compiled<T: Task>(simd: $isa, task: T) -> T::Output {
+                fn compiled<T: WithSimd>(simd: $isa, task: T) -> T::Output {
                     task.run(simd)
                 }
-                // SAFETY: `self` proves that the processor has the features.
+                // SAFETY: `self` proves that the processor supports the features.
                 unsafe { compiled(self, task) }
             }
 
             #[inline(always)]
-            fn run_apart<T: Task>(self, task: T) -> T::Output {
+            fn run_outlined<T: WithSimd>(self, task: T) -> T::Output {
                 #[inline(never)]
                 #[target_feature(enable = $features)]
-                fn compiled<T: Task>(simd: $isa, task: T) -> T::Output {
+                fn compiled<T: WithSimd>(simd: $isa, task: T) -> T::Output {
                     task.run(simd)
                 }
-                // SAFETY: `self` proves that the processor has the features.
+                // SAFETY: `self` proves that the processor supports the features.
                 unsafe { compiled(self, task) }
             }
 
             #[inline(always)]
-            fn prefetch<T>(self, what: &T) {
-                let start = std::ptr::from_ref(what).cast::<i8>();
+            fn prefetch<T>(self, value: &T) {
+                let start = std::ptr::from_ref(value).cast::<i8>();
                 for line in 0..size_of::<T>().div_ceil(64) {
-                    // SAFETY: SSE is there on x86-64, and a prefetch reads nothing.
+                    // SAFETY: x86-64 includes SSE, and a prefetch does not access memory.
                     unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line)) };
                 }
             }
 
             #[inline(always)]
             fn load(self, from: &[f32; WIDTH]) -> __m256 {
-                // SAFETY: `self` proves AVX; the array holds eight floats, and need not be aligned.
+                // SAFETY: `self` proves AVX; the array holds eight floats, and the load is
+                // unaligned.
                 unsafe { _mm256_loadu_ps(from.as_ptr()) }
             }
 
@@ -131,13 +132,13 @@ macro_rules! implement {
 
             #[inline(always)]
             fn mask_le(self, a: __m256, b: __m256) -> u32 {
-                // SAFETY: `self` proves that the processor has the instruction.
+                // SAFETY: `self` proves that the processor supports the instruction.
                 unsafe { mask!($masks, _CMP_LE_OQ, a, b) }
             }
 
             #[inline(always)]
             fn mask_not_gt(self, a: __m256, b: __m256) -> u32 {
-                // SAFETY: `self` proves that the processor has the instruction.
+                // SAFETY: `self` proves that the processor supports the instruction.
                 unsafe { mask!($masks, _CMP_NGT_UQ, a, b) }
             }
 
@@ -147,16 +148,16 @@ macro_rules! implement {
                 near: __m256,
                 mask: u32,
                 children: &[Child; WIDTH],
-                out: &mut [MaybeUninit<Entry>; WIDTH],
+                out: &mut [MaybeUninit<StackEntry>; WIDTH],
             ) {
                 if mask.count_ones() > 4 {
                     return order_by_insertion(self.to_array(near), mask, children, out);
                 }
-                // SAFETY: `self` proves that the processor has the instructions. `children` has
-                // the layout of eight integers and `out` has room for four entries of 64 bits.
+                // SAFETY: `self` proves that the processor supports the instructions. `children`
+                // has the layout of eight integers and `out` has room for four entries of 64 bits.
                 unsafe {
-                    // The lowest bits of the distance make room for the lane: a little nearer
-                    // than true, which the slack of the limit allows for.
+                    // The lane replaces the lowest three bits of the distance. The slack of the
+                    // limit covers this error.
                     let distance = _mm256_castps_si256(_mm256_max_ps(near, _mm256_setzero_ps()));
                     let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
                     let keys =
@@ -179,14 +180,14 @@ macro_rules! implement {
 implement!(Avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt", in_vectors);
 implement!(Avx512, "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw", in_masks);
 
-/// Compare and exchange (0 2)(1 3), (0 1)(2 3), (1 2): the larger key moves to the lower lane.
+/// A sorting network (0 2)(1 3), (0 1)(2 3), (1 2), which moves larger keys to lower lanes.
 ///
 /// # Safety
 ///
-/// The processor must have SSE4.1.
+/// The processor must support SSE4.1.
 #[inline(always)]
 unsafe fn sort_descending(keys: __m128i) -> __m128i {
-    // SAFETY: the caller vouches for the instructions.
+    // SAFETY: the caller guarantees the support of the instructions.
     unsafe {
         let other = _mm_shuffle_epi32::<0b01_00_11_10>(keys);
         let (large, small) = (_mm_max_epu32(keys, other), _mm_min_epu32(keys, other));
@@ -215,8 +216,8 @@ impl Avx2 {
     }
 }
 
-/// For each mask the numbers of its first four lanes, a byte each, and bytes of ones for those there
-/// are.
+/// For each mask, the indices of its first four lanes, one byte each, and a byte mask of how many
+/// of the four exist.
 static PACKED: [[u32; 2]; 256] = {
     let mut table = [[0; 2]; 256];
     let mut mask = 0;
@@ -250,9 +251,9 @@ mod tests {
     use crate::simd::Portable;
 
     fn ordered(simd: impl Simd, near: &[f32; 8], mask: u32, children: &[Child; 8]) -> Vec<Child> {
-        let mut out = [MaybeUninit::new(Entry(u64::MAX)); 8];
+        let mut out = [MaybeUninit::new(StackEntry(u64::MAX)); 8];
         simd.order(simd.load(near), mask, children, &mut out);
-        // SAFETY: filled above.
+        // SAFETY: all entries were initialised above.
         out[..mask.count_ones() as usize]
             .iter()
             .map(|e| unsafe { e.assume_init() }.child())

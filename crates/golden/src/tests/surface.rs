@@ -21,7 +21,7 @@ struct Rays {
 impl Rays {
     fn of(name: &str) -> Self {
         let Surface { width, height, .. } = reference(name).surface;
-        let subject = Subject::new(case(name).load().unwrap(), Isa::default_set());
+        let subject = Subject::new(case(name).load().unwrap(), Isa::default_set()).unwrap();
         let probes = std::sync::Mutex::new(vec![Probe::default(); 16 * width * height]);
         Surface::measure(width, height, |uv, ray| {
             let probe = subject.probe(uv, ray);
@@ -55,7 +55,7 @@ fn tampered(name: &str, tamper: impl FnOnce(&mut Scene)) -> Vec<Finding> {
     let expected = reference(name).surface;
     let mut scene = case(name).load().unwrap();
     tamper(&mut scene);
-    let subject = Subject::new(scene, Isa::default_set());
+    let subject = Subject::new(scene, Isa::default_set()).unwrap();
     subject.surface(expected.width as u32, expected.height as u32).compare(&expected)
 }
 
@@ -159,7 +159,7 @@ fn every_instruction_set_gives_the_same_bits() {
     for case in cases::of_workspace(&super::folder()).unwrap() {
         let mut pictures = Vec::new();
         for isa in Isa::available() {
-            let subject = Subject::new(case.load().unwrap(), isa);
+            let subject = Subject::new(case.load().unwrap(), isa).unwrap();
             let (width, height) = subject.scene.cameras[0].resolution(48);
             let sequence = Sequence::Sobol;
             let plan = Plan { width, height, bounces: 8, samples: 2, sequence };
@@ -178,7 +178,8 @@ fn every_instruction_set_gives_the_same_bits() {
 #[test]
 fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
     // One ball in front of the camera: each ray goes in and out.
-    let subject = Subject::new(case("materials-enhanced").load().unwrap(), Isa::default_set());
+    let subject =
+        Subject::new(case("materials-enhanced").load().unwrap(), Isa::default_set()).unwrap();
     let ball = subject.scene.instances[1].world_from_object.translation;
     let camera = subject.scene.cameras[0].world_from_camera;
     let to_ball = camera.inverse().transform_point3(ball.into());

@@ -92,7 +92,7 @@ pub(super) fn textures(
         match result {
             Err(error) if options.keep_going => {
                 warnings.push(format!("left out, white instead: {error}"));
-                textures.push(Texture::white());
+                textures.push(Texture::default());
             }
             result => {
                 let (texture, warning) = result?;

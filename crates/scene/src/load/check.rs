@@ -1,7 +1,7 @@
 //! Numbers of a scene file that mean something.
 
 use super::format::{Frame, SceneFile};
-use crate::LoadError;
+use crate::{LoadError, validate::is_invertible};
 use std::path::Path;
 
 /// Refuses numbers that no scene can mean, naming the field.
@@ -120,8 +120,7 @@ pub(super) fn frame(
     field: impl FnOnce() -> String,
     Frame(frame): Frame,
 ) -> Result<(), LoadError> {
-    let determinant = frame.matrix3.determinant();
-    if frame.is_finite() && determinant != 0.0 && frame.inverse().is_finite() {
+    if is_invertible(&frame) {
         return Ok(());
     }
     Err(LoadError::Value {

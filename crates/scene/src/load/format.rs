@@ -1,8 +1,8 @@
 //! The scene file as it is written: a mirror for serde, with every default of the format.
 
 use super::collection::{Collection, Reference, items, items_or_files, object};
-use crate::{Method, generate};
-use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use crate::{Method, camera::look_at, generate};
+use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Deserializer};
 
 #[derive(Debug, Default, Deserialize)]
@@ -281,9 +281,6 @@ impl LookAt {
     /// turned z of the rest around, but the files that yocto-gl itself brought to version 4.2 do not.
     pub(super) fn frame(self) -> Affine3A {
         let [eye, center, up] = self.vectors();
-        let z = (eye - center).normalize();
-        let x = up.cross(z).normalize();
-        let matrix = Mat3A::from_cols(x.into(), z.cross(x).into(), z.into());
-        Affine3A { matrix3: matrix, translation: Vec3A::from(eye) }
+        look_at(eye, center, up)
     }
 }

@@ -1,6 +1,9 @@
 //! What a file of geometry holds before it becomes a shape: elements of any kind, unchecked.
 
-use crate::{Elements, LoadError, Method, Shape};
+use crate::{
+    Elements, LoadError, Shape,
+    validate::{first, first_outside, is_color, is_radius, listed},
+};
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::path::Path;
@@ -122,14 +125,13 @@ impl Mesh {
             self.radii = Vec::new();
         }
         Ok(Shape {
-            name: String::new(),
-            method: Method::default(),
             elements,
             positions: self.positions,
             normals: self.normals,
             texcoords: self.texcoords,
             colors: self.colors,
             radii: self.radii,
+            ..Shape::default()
         })
     }
 
@@ -177,17 +179,16 @@ impl Mesh {
             })
         };
         if let Some(i) = first(&self.positions, |p| !p.is_finite()) {
-            let [x, y, z] = self.positions[i].to_array();
-            return bad(i, "position", format!("({x}, {y}, {z})"), "finite coordinates");
+            let position = listed(self.positions[i].as_ref());
+            return bad(i, "position", position, "finite coordinates");
         }
         if let Some(i) = first(&self.radii, |r| !is_radius(r)) {
             let expected = "a finite number that is not negative";
             return bad(i, "radius", self.radii[i].to_string(), expected);
         }
         if let Some(i) = first(&self.colors, |c| !is_color(c)) {
-            let [r, g, b, a] = self.colors[i].to_array();
             let expected = "finite numbers that are not negative";
-            return bad(i, "color", format!("({r}, {g}, {b}, {a})"), expected);
+            return bad(i, "color", listed(self.colors[i].as_ref()), expected);
         }
         // Real files have a few of these where a mesh degenerates, and zero has a meaning: no
         // normal of its own.
@@ -226,39 +227,20 @@ impl Mesh {
     }
 }
 
-pub(super) fn is_radius(radius: &f32) -> bool {
-    radius.is_finite() & (*radius >= 0.0)
-}
-
-pub(super) fn is_color(color: &Vec4) -> bool {
-    color.is_finite() & color.cmpge(Vec4::ZERO).all()
-}
-
-/// The index of the first value that is bad.
-fn first<T: Sync>(values: &[T], bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
-    const BLOCK: usize = 1 << 12;
-    // Nearly always there is none, which is sooner known of all together than of each.
-    let any = |block: &[T]| block.iter().fold(false, |any, value| any | bad(value));
-    let block = values.par_chunks(BLOCK).position_first(any)? * BLOCK;
-    values[block..].iter().position(&bad).map(|i| block + i)
-}
-
 fn check_indices<const N: usize>(
     path: &Path,
     element: &str,
     elements: &[[u32; N]],
     count: usize,
 ) -> Result<(), LoadError> {
-    for (index, vertices) in elements.iter().enumerate() {
-        if let Some(&vertex) = vertices.iter().find(|vertex| **vertex as usize >= count) {
-            return Err(LoadError::VertexOutOfRange {
-                path: path.to_owned(),
-                element: element.to_owned(),
-                index: index as u64,
-                vertex: i64::from(vertex),
-                count,
-            });
-        }
+    match first_outside(elements, count) {
+        None => Ok(()),
+        Some((index, vertex)) => Err(LoadError::VertexOutOfRange {
+            path: path.to_owned(),
+            element: element.to_owned(),
+            index: index as u64,
+            vertex: i64::from(vertex),
+            count,
+        }),
     }
-    Ok(())
 }

@@ -37,7 +37,7 @@ pub(crate) fn check(scene: &Scene) {
         return;
     }
     let mut scene = scene.clone();
-    let trees = Trees::build(&scene);
+    let trees = Trees::build(&scene).expect("the scene is valid");
     for method in [Method::Enhanced, Method::Vanilla] {
         scene.shapes.iter_mut().for_each(|shape| shape.method = method);
         for instance in 0..scene.instances.len().min(16) {

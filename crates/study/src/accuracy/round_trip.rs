@@ -116,7 +116,7 @@ struct Tally {
 }
 
 fn tally(scene: &Scene, name: &'static str, hits: u64, random: &mut Random) -> Tally {
-    let trees = Trees::build(scene);
+    let trees = Trees::build(scene).expect("the scene is valid");
     let frame = scene.instances[0].world_from_object;
     let shape = &scene.shapes[0];
     let ribbon = is_ribbon(shape.elements.kind(), shape.method);

@@ -7,7 +7,7 @@ use super::shoot::{self, Primitive, Traced, Volley};
 use super::{Args, Row, Sheet, memory, reference};
 use anyhow::Result;
 use cpu_time::ThreadTime;
-use rotund_bvh::{Form, Isa, Statistics};
+use rotund_bvh::{Isa, Method, Statistics};
 use rotund_report::console::{Table, say};
 use std::time::Instant;
 
@@ -41,11 +41,11 @@ pub(super) fn measure<P: Primitive>(
         say(format!("{scene}: empty"))?;
         return Ok(None);
     }
-    let form = if args.vanilla { Form::Vanilla } else { Form::Enhanced };
+    let method = if args.vanilla { Method::Vanilla } else { Method::Enhanced };
     let isa = args.isa.unwrap_or_else(Isa::default_set);
     if let Some(count) = args.verify {
         let sets = args.isa.map_or_else(Isa::available, |isa| vec![isa]);
-        reference::verify(scene, primitives, target, count as usize, form, &sets)?;
+        reference::verify(scene, primitives, target, count as usize, method, &sets)?;
         return Ok(None);
     }
     let progress = Progress::new(scene, primitives.len());
@@ -56,9 +56,9 @@ pub(super) fn measure<P: Primitive>(
         return Ok(None);
     }
     progress.stage("making rays");
-    let volleys = shoot::volleys(&tree, target, form);
+    let volleys = shoot::volleys(&tree, target, method);
     let again = || Ok(on_one_thread(primitives, isa)?.1);
-    let rounds = rounds(subject, &tree, &volleys, form, args, again, &progress)?;
+    let rounds = rounds(subject, &tree, &volleys, method, args, again, &progress)?;
     progress.stage("shooting on all threads");
     let builds = rounds.iter().filter_map(|round| round.build_seconds);
     building.cpu_seconds =
@@ -71,7 +71,7 @@ pub(super) fn measure<P: Primitive>(
     {
         let template = Row {
             scene: scene.to_owned(),
-            form: if form == Form::Vanilla { "vanilla" } else { "enhanced" },
+            form: method.name(),
             rays: volley.name,
             threads: 1,
             isa: isa.name(),
@@ -87,12 +87,12 @@ pub(super) fn measure<P: Primitive>(
             peak_bytes_per_primitive: building.peak_bytes.map(|bytes| bytes * per_primitive),
             sah: statistics.sah,
         };
-        rows.extend(volley_rows(&tree, volley, index, &rounds, form, template));
+        rows.extend(volley_rows(&tree, volley, index, &rounds, method, template));
     }
     drop(progress);
     print(scene, &rows, &statistics, &building)?;
     let seen = |ray| {
-        let visits = tree.visits(ray, form);
+        let visits = tree.visits(ray, method);
         visits.nodes + visits.primitives
     };
     let visits = volleys[0].rays.iter().map(seen).collect();
@@ -143,7 +143,7 @@ fn rounds(
     subject: &Subject<'_>,
     tree: &impl Traced,
     volleys: &[Volley],
-    form: Form,
+    method: Method,
     args: &Args,
     build: impl Fn() -> Result<f64>,
     progress: &Progress,
@@ -156,8 +156,8 @@ fn rounds(
                 .iter()
                 .map(|volley| {
                     // One pass to warm up, as the peer has.
-                    shoot::on_one_thread(tree, volley, form);
-                    shoot::on_one_thread(tree, volley, form)
+                    shoot::on_one_thread(tree, volley, method);
+                    shoot::on_one_thread(tree, volley, method)
                 })
                 .collect();
             let program = args.peer.as_deref().filter(|_| subject.known_to_peer);
@@ -174,13 +174,13 @@ fn volley_rows(
     volley: &Volley,
     index: usize,
     rounds: &[Round],
-    form: Form,
+    method: Method,
     template: Row,
 ) -> [Row; 2] {
     let theirs = |round: &Round| Some(*round.peer.as_ref()?.mrays_per_second.get(volley.name)?);
     let step = (volley.rays.len() / 100_000).max(1);
     let sample: Vec<_> =
-        volley.rays.iter().step_by(step).map(|ray| tree.visits(ray, form)).collect();
+        volley.rays.iter().step_by(step).map(|ray| tree.visits(ray, method)).collect();
     let mean = |f: fn(&rotund_bvh::Visits) -> u32| {
         sample.iter().map(|v| f64::from(f(v))).sum::<f64>() / sample.len().max(1) as f64
     };
@@ -195,7 +195,8 @@ fn volley_rows(
         primitives_per_ray: mean(|v| v.primitives),
         ..template
     };
-    let passes = rounds.iter().map(|_| shoot::on_all_threads(tree, volley, form).mrays_per_second);
+    let passes =
+        rounds.iter().map(|_| shoot::on_all_threads(tree, volley, method).mrays_per_second);
     let all = Row {
         threads: rayon::current_num_threads(),
         mrays_per_second: median(passes.collect()).unwrap_or(f64::NAN),

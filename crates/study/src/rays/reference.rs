@@ -8,7 +8,7 @@ use super::recipe::{self, Target};
 use super::shoot::{Primitive, Traced};
 use anyhow::{Result, bail};
 use rayon::prelude::*;
-use rotund_bvh::{Form, Isa, PrimitiveHit};
+use rotund_bvh::{Isa, Method, PrimitiveHit};
 use rotund_geometry::{Aabb, Ray};
 use rotund_report::console::say;
 
@@ -21,11 +21,11 @@ pub(super) fn verify<P: Primitive>(
     primitives: &[P],
     target: &Target,
     count: usize,
-    form: Form,
+    method: Method,
     sets: &[Isa],
 ) -> Result<()> {
     let plain = Plain::build(primitives);
-    let closest = |ray: &Ray| plain.closest(primitives, ray, form);
+    let closest = |ray: &Ray| plain.closest(primitives, ray, method);
     let mut rays = recipe::primary(target);
     let (diffuse, shadow) = recipe::secondary(target, &rays, |ray| Some(closest(ray)?.hit));
     rays.extend(diffuse);
@@ -39,7 +39,7 @@ pub(super) fn verify<P: Primitive>(
     let expected: Vec<Option<PrimitiveHit>> = rays.par_iter().map(closest).collect();
     let step = (rays.len() / LOOPED).max(1);
     let looped = (0..rays.len()).into_par_iter().step_by(step).find_map_any(|index| {
-        let found = over_all(primitives, &rays[index], form);
+        let found = over_all(primitives, &rays[index], method);
         (found != expected[index])
             .then(|| format!("{:?}: {found:?}, {:?}", rays[index], expected[index]))
     });
@@ -49,7 +49,7 @@ pub(super) fn verify<P: Primitive>(
     for &isa in sets {
         let tree = P::build(primitives, isa);
         let difference = rays.par_iter().zip(&expected).find_map_any(|(ray, expected)| {
-            let found = (tree.closest(ray, form), tree.any(ray, form));
+            let found = (tree.closest(ray, method), tree.any(ray, method));
             (found != (*expected, expected.is_some()))
                 .then(|| format!("{ray:?}: the tree says {found:?}, the primitives {expected:?}"))
         });
@@ -67,10 +67,10 @@ pub(super) fn verify<P: Primitive>(
 }
 
 /// The lowest id among the smallest `t`.
-fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, form: Form) -> Option<PrimitiveHit> {
+fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, method: Method) -> Option<PrimitiveHit> {
     let mut best: Option<PrimitiveHit> = None;
     for (id, primitive) in primitives.iter().enumerate() {
-        if let Some(hit) = primitive.exact(ray, form)
+        if let Some(hit) = primitive.exact(ray, method)
             && best.is_none_or(|best| hit.t < best.hit.t)
         {
             best = Some(PrimitiveHit { id: id as u32, hit });
@@ -102,7 +102,7 @@ impl Plain {
         &self,
         primitives: &[P],
         ray: &Ray,
-        form: Form,
+        method: Method,
     ) -> Option<PrimitiveHit> {
         let mut best: Option<PrimitiveHit> = None;
         let mut waiting = vec![(0, 0..self.ids.len())];
@@ -123,7 +123,7 @@ impl Plain {
                 continue;
             }
             for &id in &self.ids[range] {
-                if let Some(hit) = primitives[id as usize].exact(ray, form)
+                if let Some(hit) = primitives[id as usize].exact(ray, method)
                     && best.is_none_or(|best| (hit.t, id) < (best.hit.t, best.id))
                 {
                     best = Some(PrimitiveHit { id, hit });
@@ -189,9 +189,9 @@ mod tests {
         let plain = Plain::build(&cones);
         let mut hits = 0;
         for ray in recipe::random(&Target::UNIT, 5000) {
-            for form in [Form::Enhanced, Form::Vanilla] {
-                let expected = over_all(&cones, &ray, form);
-                assert_eq!(plain.closest(&cones, &ray, form), expected, "{ray:?}");
+            for method in [Method::Enhanced, Method::Vanilla] {
+                let expected = over_all(&cones, &ray, method);
+                assert_eq!(plain.closest(&cones, &ray, method), expected, "{ray:?}");
                 hits += usize::from(expected.is_some());
             }
         }

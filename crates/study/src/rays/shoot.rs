@@ -4,16 +4,16 @@ use super::recipe::{self, Target};
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
 use rotund_bvh::{
-    ConeTree, Form, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree, Visits,
+    ConeTree, Isa, Method, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree, Visits,
 };
 use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use std::time::Instant;
 
 /// A tree as it is measured.
 pub(super) trait Traced: Sync {
-    fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit>;
-    fn any(&self, ray: &Ray, form: Form) -> bool;
-    fn visits(&self, ray: &Ray, form: Form) -> Visits;
+    fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit>;
+    fn any(&self, ray: &Ray, method: Method) -> bool;
+    fn visits(&self, ray: &Ray, method: Method) -> Visits;
     fn statistics(&self) -> Statistics;
 }
 
@@ -21,7 +21,7 @@ pub(super) trait Traced: Sync {
 pub(super) trait Primitive: Sync + Sized {
     type Tree: Traced + Send;
     fn build(primitives: &[Self], isa: Isa) -> Self::Tree;
-    fn exact(&self, ray: &Ray, form: Form) -> Option<Hit>;
+    fn exact(&self, ray: &Ray, method: Method) -> Option<Hit>;
     fn bounds(&self) -> Aabb;
 }
 
@@ -29,17 +29,17 @@ macro_rules! traced {
     ($($tree:ty, $primitive:ty, |$p:ident| $vanilla:expr;)*) => {$(
         impl Traced for $tree {
             #[inline]
-            fn closest(&self, ray: &Ray, form: Form) -> Option<PrimitiveHit> {
-                self.closest(ray, form)
+            fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
+                self.closest(ray, method)
             }
 
             #[inline]
-            fn any(&self, ray: &Ray, form: Form) -> bool {
-                self.any(ray, form)
+            fn any(&self, ray: &Ray, method: Method) -> bool {
+                self.any(ray, method)
             }
 
-            fn visits(&self, ray: &Ray, form: Form) -> Visits {
-                self.visits(ray, form)
+            fn visits(&self, ray: &Ray, method: Method) -> Visits {
+                self.visits(ray, method)
             }
 
             fn statistics(&self) -> Statistics {
@@ -54,11 +54,11 @@ macro_rules! traced {
                 <$tree>::build(primitives).with_isa(isa)
             }
 
-            fn exact(&self, ray: &Ray, form: Form) -> Option<Hit> {
+            fn exact(&self, ray: &Ray, method: Method) -> Option<Hit> {
                 let $p = self;
-                match form {
-                    Form::Enhanced => self.closest(ray),
-                    Form::Vanilla => $vanilla.closest(ray),
+                match method {
+                    Method::Enhanced => self.closest(ray),
+                    Method::Vanilla => $vanilla.closest(ray),
                 }
             }
 
@@ -87,9 +87,9 @@ pub(super) struct Volley {
 }
 
 /// All rays for a tree.
-pub(super) fn volleys(tree: &impl Traced, target: &Target, form: Form) -> [Volley; 4] {
+pub(super) fn volleys(tree: &impl Traced, target: &Target, method: Method) -> [Volley; 4] {
     let primary = recipe::primary(target);
-    let hit = |ray: &Ray| tree.closest(ray, form).map(|found| found.hit);
+    let hit = |ray: &Ray| tree.closest(ray, method).map(|found| found.hit);
     let (diffuse, shadow) = recipe::secondary(target, &primary, hit);
     let random = recipe::random(target, 1_000_000);
     let [first, second, third, fourth] = KINDS;
@@ -110,16 +110,16 @@ pub(super) struct Pass {
 
 /// Shoots on one thread, and takes the CPU seconds of the thread, which do not count what other
 /// programs took.
-pub(super) fn on_one_thread(tree: &impl Traced, volley: &Volley, form: Form) -> Pass {
+pub(super) fn on_one_thread(tree: &impl Traced, volley: &Volley, method: Method) -> Pass {
     let start = ThreadTime::now();
-    let hits = shoot(tree, &volley.rays, volley.any, form);
+    let hits = shoot(tree, &volley.rays, volley.any, method);
     pass(volley, hits, start.elapsed().as_secs_f64())
 }
 
 /// Shoots on all threads of the pool, and takes elapsed seconds.
-pub(super) fn on_all_threads(tree: &impl Traced, volley: &Volley, form: Form) -> Pass {
+pub(super) fn on_all_threads(tree: &impl Traced, volley: &Volley, method: Method) -> Pass {
     let start = Instant::now();
-    let hits = volley.rays.par_chunks(4096).map(|rays| shoot(tree, rays, volley.any, form)).sum();
+    let hits = volley.rays.par_chunks(4096).map(|rays| shoot(tree, rays, volley.any, method)).sum();
     pass(volley, hits, start.elapsed().as_secs_f64())
 }
 
@@ -129,13 +129,13 @@ fn pass(volley: &Volley, hits: usize, seconds: f64) -> Pass {
 }
 
 #[inline(never)]
-fn shoot(tree: &impl Traced, rays: &[Ray], any: bool, form: Form) -> usize {
+fn shoot(tree: &impl Traced, rays: &[Ray], any: bool, method: Method) -> usize {
     if any {
-        return rays.iter().filter(|ray| tree.any(ray, form)).count();
+        return rays.iter().filter(|ray| tree.any(ray, method)).count();
     }
     let (mut hits, mut sum) = (0, 0.0);
     for ray in rays {
-        if let Some(found) = tree.closest(ray, form) {
+        if let Some(found) = tree.closest(ray, method) {
             hits += 1;
             sum += found.hit.t;
         }

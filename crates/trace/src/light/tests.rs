@@ -40,7 +40,7 @@ fn shining(elements: Elements, method: Method, positions: &[[f32; 3]], radii: &[
 
 /// Irradiance on a receiver, drawn; each sample must be seen, and found again with its density.
 fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
-    let (trees, lights) = (Trees::build(scene), Lights::build(scene));
+    let (trees, lights) = (Trees::build(scene).expect("the scene is valid"), Lights::build(scene));
     let receiver = Receiver { position, normal: Some(normal) };
     let mut sum = 0.0;
     let mut lost = 0;

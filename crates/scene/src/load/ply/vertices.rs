@@ -6,8 +6,9 @@ use super::{
 };
 use crate::{
     LoadError,
-    load::mesh::{self, Mesh},
+    load::mesh::Mesh,
     texture::{LINEAR_FROM_SRGB, linear_from_srgb},
+    validate::{is_color, is_radius},
 };
 use bytemuck::zeroed_vec;
 use glam::{Vec2, Vec3, Vec4};
@@ -253,10 +254,10 @@ impl Chunk<'_> {
         // Sums over all, for to stop at the first takes longer.
         let all = |sound: bool, next: bool| sound & next;
         self.positions.iter().map(|p| p.is_finite()).fold(true, all)
-            & self.radii.iter().map(mesh::is_radius).fold(true, all)
+            & self.radii.iter().map(is_radius).fold(true, all)
             & self.normals.iter().map(|n| n.is_finite()).fold(true, all)
             & self.texcoords.iter().map(|t| t.is_finite()).fold(true, all)
-            & self.colors.iter().map(mesh::is_color).fold(true, all)
+            & self.colors.iter().map(is_color).fold(true, all)
     }
 
     fn fill(&mut self, columns: &Columns) {

@@ -44,7 +44,7 @@ fn assert_lit(why: &str, light: &Scene, at: Receiver, outwards: Vec3, ask: Ask, 
 
 /// Irradiance by directions that know nothing of the light, and a bound on its standard deviation.
 fn found_by_chance(scene: &Scene, (position, normal): Receiver) -> (f64, f64) {
-    let trees = Trees::build(scene);
+    let trees = Trees::build(scene).expect("the scene is valid");
     let (x, y) = normal.any_orthonormal_pair();
     let hits = (0..SAMPLES).filter(|&index| {
         let [u, v, ..] = Sampler::new(Sequence::Sobol, 3, 0, 0, index).set(0);
@@ -102,7 +102,8 @@ fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 
         bounces: 2,
         ..Options::default()
     };
-    let (trees, lights) = (Trees::build(&scene), Lights::build(&scene));
+    let (trees, lights) =
+        (Trees::build(&scene).expect("the scene is valid"), Lights::build(&scene));
     let seen = trees.closest(&scene, &scene.cameras[0].ray(Vec2::splat(0.5), Vec2::ZERO));
     assert_eq!(seen.map(|hit| hit.instance), Some(1), "the square is seen at {position}");
     let go_on = &mut |_: &crate::Progress<'_>| ControlFlow::Continue(());

@@ -1,10 +1,10 @@
-//! Memory in huge pages, for what rays touch at random.
+//! Vectors in huge pages, for memory that rays access at random.
 #![cfg_attr(target_os = "linux", expect(unsafe_code, reason = "a hint to the kernel"))]
 
-/// An empty vector with room for `capacity` elements, in huge pages where the system has them to give.
+/// An empty vector with room for `capacity` elements, in huge pages where the system provides them.
 ///
-/// A tree is larger than what the processor remembers of small pages, and a walk touches a new one
-/// with nearly every node.
+/// A tree spans more small pages than the TLB covers, and a traversal touches a new page with
+/// nearly every node; huge pages avoid most of these TLB misses.
 pub(crate) fn vec_with_capacity<T>(capacity: usize) -> Vec<T> {
     let vec: Vec<T> = Vec::with_capacity(capacity);
     #[cfg(target_os = "linux")]
@@ -13,8 +13,9 @@ pub(crate) fn vec_with_capacity<T>(capacity: usize) -> Vec<T> {
         let start = vec.as_ptr().addr().next_multiple_of(PAGE);
         let end = (vec.as_ptr().addr() + vec.capacity() * size_of::<T>()) / PAGE * PAGE;
         if end > start + (2 << 20) {
-            // SAFETY: the range lies in the allocation. The hint changes neither contents nor access;
-            // where the kernel does not know it, it refuses, and nothing is lost.
+            // SAFETY: the range lies in the allocation, and the hint changes neither its contents
+            // nor the access to it. A kernel that does not know the hint refuses it, without any
+            // effect.
             unsafe {
                 libc::madvise(
                     std::ptr::without_provenance_mut(start),

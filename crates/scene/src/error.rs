@@ -1,0 +1,127 @@
+//! Why a scene was refused.
+
+use crate::ElementKind;
+use std::{error::Error, fmt};
+
+/// Why a scene cannot be rendered or traced: names the item, the element or vertex, and the value.
+///
+/// The message says everything, so [`Error::source`] is `None`.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the messages and the names of the fields say it")]
+pub enum SceneError {
+    /// A reference to another item that the scene does not have.
+    IndexOutOfRange {
+        item: SceneItem,
+        field: &'static str,
+        index: u32,
+        what: &'static str,
+        count: usize,
+    },
+    /// A number outside of its range, or a frame without an inverse.
+    Value { item: SceneItem, field: &'static str, value: String, expected: &'static str },
+    /// Vertex data that are neither absent nor one for each position.
+    ArrayLength { shape: SceneItem, array: &'static str, length: usize, positions: usize },
+    /// Points or lines without radii.
+    MissingRadii { shape: SceneItem, kind: ElementKind },
+    /// More points than positions: point `i` is vertex `i`.
+    MissingPositions { shape: SceneItem, points: u32, positions: usize },
+    /// An element names a vertex that its shape does not have.
+    VertexOutOfRange {
+        shape: SceneItem,
+        kind: ElementKind,
+        element: usize,
+        vertex: u32,
+        positions: usize,
+    },
+    /// A position, normal, texture coordinate, colour or radius that no vertex can have.
+    VertexValue {
+        shape: SceneItem,
+        array: &'static str,
+        vertex: usize,
+        value: String,
+        expected: &'static str,
+    },
+    /// The number of pixels is not width times height.
+    PixelCount { texture: SceneItem, width: u32, height: u32, pixels: usize },
+    /// A pixel that is not finite.
+    PixelValue { texture: SceneItem, x: usize, y: usize, value: String },
+    /// The bytes given for a texture are not four for each pixel.
+    ByteCount { width: u32, height: u32, bytes: usize },
+    /// More elements than a tree holds.
+    TooMany { shape: SceneItem, kind: ElementKind, count: usize, limit: usize },
+    /// What refitting cannot follow: the scene has another number of items or elements than the one
+    /// that the trees were built of.
+    Changed { item: Option<SceneItem>, what: &'static str, before: usize, now: usize },
+}
+
+/// An item of a scene, for messages: prints as in `shapes[3] "hair"`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneItem {
+    /// The field of [`crate::Scene`] that holds the item, as in `"shapes"`.
+    pub array: &'static str,
+    /// Index of the item in that field.
+    pub index: usize,
+    /// Name of the item; may be empty.
+    pub name: String,
+}
+
+impl fmt::Display for SceneItem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { array, index, name } = self;
+        write!(f, "{array}[{index}]")?;
+        if name.is_empty() { Ok(()) } else { write!(f, " {name:?}") }
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::IndexOutOfRange { item, field, index, what, count } => {
+                write!(f, "{item}: {field} is {index}, but the scene has {count} {what}")
+            }
+            Self::Value { item, field, value, expected } => {
+                write!(f, "{item}: {field} is {value}, expected {expected}")
+            }
+            Self::ArrayLength { shape, array, length, positions } => {
+                write!(f, "{shape}: {array} has {length} values for {positions} positions")
+            }
+            Self::MissingRadii { shape, kind } => {
+                write!(f, "{shape}: radii is empty, but {kind} need one for each position")
+            }
+            Self::MissingPositions { shape, points, positions } => {
+                write!(f, "{shape}: has {points} points, but only {positions} positions")
+            }
+            Self::VertexOutOfRange { shape, kind, element, vertex, positions } => {
+                write!(f, "{shape}: {kind}[{element}] names vertex {vertex}, but the shape has ")?;
+                write!(f, "{positions} positions")
+            }
+            Self::VertexValue { shape, array, vertex, value, expected } => {
+                write!(f, "{shape}: {array}[{vertex}] is {value}, expected {expected}")
+            }
+            Self::PixelCount { texture, width, height, pixels } => {
+                write!(f, "{texture}: is {width} x {height}, but has {pixels} pixels")
+            }
+            Self::PixelValue { texture, x, y, value } => {
+                write!(f, "{texture}: pixel ({x}, {y}) is {value}, expected finite numbers")
+            }
+            Self::ByteCount { width, height, bytes } => {
+                let expected = 4 * u64::from(*width) * u64::from(*height);
+                write!(f, "a texture of {width} x {height} pixels needs {expected} bytes, ")?;
+                write!(f, "four for each pixel, and not {bytes}")
+            }
+            Self::TooMany { shape, kind, count, limit } => {
+                write!(f, "{shape}: has {count} {kind}, but a tree holds at most {limit}")
+            }
+            Self::Changed { item, what, before, now } => {
+                match item {
+                    Some(item) => write!(f, "{item}: has")?,
+                    None => write!(f, "the scene has")?,
+                }
+                write!(f, " {now} {what} now, but the trees were built of {before}; build new ones")
+            }
+        }
+    }
+}
+
+impl Error for SceneError {}

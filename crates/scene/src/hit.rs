@@ -1,0 +1,67 @@
+//! Where rays meet scenes.
+
+use glam::{Vec2, Vec3};
+use rotund_geometry::{Hit, Ray};
+
+/// Where a ray meets a scene, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneHit {
+    /// Index into [`Scene::instances`].
+    pub instance: u32,
+    /// Index into the elements of the instance's shape.
+    pub element: u32,
+    /// Parameters of the element, which with it name the point: `scene.eval_position` gives back
+    /// `position`, except under vanilla methods whose place depends on the ray (points, and lines
+    /// across).
+    pub uv: Vec2,
+    /// Position along the ray, in units of its direction.
+    pub t: f32,
+    /// The point, within `error` of the surface.
+    pub position: Vec3,
+    /// Geometric normal: unit length, out of the solid whichever side the ray came from.
+    pub normal: Vec3,
+    /// How far along `normal` a ray has to start from `position` in order not to meet the surface
+    /// again: what [`rotund_geometry::leave_surface`] asks for. It covers the rounding of the way to
+    /// object space and back.
+    pub error: f32,
+}
+
+impl SceneHit {
+    /// The ray from this point in `direction`, of any length, that does not meet the surface that it
+    /// leaves, on whichever side of it `direction` points to.
+    ///
+    /// ```
+    /// use rotund_scene::{Material, Scene, Shape, Trees};
+    /// use rotund_scene::geometry::{Ray, glam::Vec3};
+    ///
+    /// let mut scene = Scene::default();
+    /// scene.add(Shape::points([Vec3::ZERO], 1.0), Material::default());
+    /// let trees = Trees::build(&scene)?;
+    /// let ray = Ray::new(Vec3::new(0.3, 0.2, 5.0), Vec3::NEG_Z);
+    /// let hit = trees.closest(&scene, &ray).expect("aimed at it");
+    /// assert!(!trees.any(&scene, &hit.spawn(ray.direction.reflect(hit.normal))));
+    /// assert!(trees.any(&scene, &hit.spawn(ray.direction)), "the far side");
+    /// # Ok::<(), rotund_scene::SceneError>(())
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        self.plain().spawn(direction)
+    }
+
+    /// The ray from this point towards `point`, which is at `t = 1`, to find out whether anything is in
+    /// between. It starts as [`Self::spawn`] does, and ends just before `point`, at `t_max = 1 - 2⁻¹⁹`,
+    /// so that a surface there does not count.
+    #[must_use]
+    #[inline]
+    pub fn spawn_to(&self, point: Vec3) -> Ray {
+        self.plain().spawn_to(point)
+    }
+
+    /// The same point, of whatever primitive.
+    #[inline]
+    fn plain(&self) -> Hit {
+        let Self { t, position, error, normal, uv, .. } = *self;
+        Hit { t, position, error, normal, parameters: uv }
+    }
+}
