@@ -1,11 +1,12 @@
-//! Two directions across an axis.
+//! Completion of an axis to an orthonormal basis.
 
 use glam::DVec3;
 
-/// Completes the unit vector `n` to a right-handed orthonormal basis `(x, y, n)`, and returns `x, y`.
+/// Completes the unit vector `n` to a right-handed orthonormal basis `(x, y, n)`, and returns `x,
+/// y`.
 ///
-/// They vary smoothly with `n` except where `n.z` changes sign. No branch, no normalisation; the
-/// error is a few units in the last place.
+/// They vary smoothly with `n` except where `n.z` changes sign. The computation has no branch and
+/// no normalisation; its error is a few units in the last place.
 ///
 /// Source: T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 pub(crate) fn across(n: DVec3) -> (DVec3, DVec3) {

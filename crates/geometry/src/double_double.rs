@@ -1,16 +1,18 @@
-//! Numbers of 106 bits, as the unevaluated sum of two `f64`.
+//! Double-double arithmetic: numbers of 106 bits as the unevaluated sum of two `f64`.
 //!
-//! For the few rays whose answer hangs on digits that an `f64` does not have: those that graze, and
-//! those that start next to the surface. Some twenty times slower than an `f64`.
+//! The exact evaluations use it for the few rays whose answer depends on digits that an `f64` does
+//! not have: those that graze, and those that start next to the surface. It is some twenty times
+//! slower than `f64`.
 //!
-//! Source: T. J. Dekker, "A floating-point technique for extending the available precision", Numerische
-//! Mathematik 18, 1971. No fused multiply-add, so that every processor computes the same bits.
+//! Source: T. J. Dekker, "A floating-point technique for extending the available precision",
+//! Numerische Mathematik 18, 1971. It uses no fused multiply-add, so that every processor computes
+//! the same bits.
 
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What a solver asks of its numbers, so that it can be written once for `f64` and [`DoubleDouble`].
+/// The operations of a solver, so that it is written once for `f64` and [`DoubleDouble`].
 pub(crate) trait Real:
     Copy
     + PartialOrd
@@ -45,14 +47,14 @@ impl Real for f64 {
     }
 }
 
-/// The number `high + low`; `high` is the sum, rounded.
+/// The number `high + low`, where `high` is the sum rounded to `f64`.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(crate) struct DoubleDouble {
     high: f64,
     low: f64,
 }
 
-/// `a + b` and the error of that sum, which is an `f64`.
+/// Returns `a + b` and the rounding error of that sum, which is an `f64`.
 #[inline]
 fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
@@ -60,14 +62,15 @@ fn two_sum(a: f64, b: f64) -> DoubleDouble {
     DoubleDouble { high, low: (a - (high - b_part)) + (b - b_part) }
 }
 
-/// [`two_sum`] for `|a| >= |b|`.
+/// Returns the same as [`two_sum`] for `|a| >= |b|`.
 #[inline]
 fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     DoubleDouble { high, low: b - (high - a) }
 }
 
-/// `a b` and the error of that product, by splitting both factors into halves of 26 bits.
+/// Returns `a b` and the rounding error of that product, by splitting both factors into halves of
+/// 26 bits.
 #[inline]
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let split = |x: f64| {
@@ -145,7 +148,7 @@ impl Real for DoubleDouble {
         Self { high: f64::from(x), low: 0.0 }
     }
 
-    /// One step of Newton from the rounded root doubles its digits.
+    /// Improves the rounded root by one Newton step, which doubles its digits.
     #[inline]
     fn square_root(self) -> Self {
         let root = self.high.sqrt();
@@ -167,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn digits_far_behind_the_first_ones_survive() {
+    fn digits_far_below_the_leading_ones_survive() {
         let one = DoubleDouble::exact(1.0);
         let tiny = DoubleDouble::exact(2.0_f32.powi(-80));
         assert_eq!(((one + tiny) - one).nearest(), 2.0_f64.powi(-80));
@@ -188,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn zero_has_the_root_zero_and_nothing_is_divided_into_a_nan_but_zero() {
+    fn the_root_of_zero_is_zero_and_only_zero_over_zero_is_nan() {
         let (zero, one) = (DoubleDouble::ZERO, DoubleDouble::exact(1.0));
         assert_eq!(zero.square_root().nearest(), 0.0);
         assert_eq!((one / zero).nearest(), f64::INFINITY);

@@ -1,9 +1,9 @@
-//! Two `f64` side by side: one register, one instruction for both.
+//! A SIMD vector of two `f64`.
 //!
-//! The patch does everything twice, for `u` and for `v`, or for the vertices of two edges, and the compiler
-//! does not find that by itself. On x86-64 a pair is the SSE2 register that every such processor has; elsewhere,
-//! and where a kernel keeps its hands off these registers, it is an array, with the same results to the last
-//! bit.
+//! The patch computes everything twice, for `u` and for `v` or for the vertices of two edges, and
+//! the compiler does not vectorise this by itself. On x86-64 the vector is an SSE2 register, which
+//! every such processor has. Elsewhere, also in kernels that are compiled without these registers,
+//! it is an array, with the same results to the last bit.
 
 #[cfg(not(target_feature = "sse2"))]
 use portable as lanes;
@@ -12,11 +12,11 @@ use sse2 as lanes;
 
 use core::ops::{Add, Div, Mul, Sub};
 
-/// Two numbers.
+/// Two numbers, operated on together.
 #[derive(Clone, Copy)]
 pub(crate) struct F64x2(lanes::Lanes);
 
-/// Two truths.
+/// A truth value for each of two numbers: all bits set, or none.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask(lanes::Lanes);
 
@@ -31,7 +31,7 @@ impl F64x2 {
         Self::new(both, both)
     }
 
-    /// Two `f32`, exactly.
+    /// Converts two `f32` exactly.
     #[inline(always)]
     pub(crate) fn widen(first: f32, second: f32) -> Self {
         Self(lanes::widen(first, second))
@@ -52,31 +52,31 @@ impl F64x2 {
         [self.first(), self.second()]
     }
 
-    /// The first of both.
+    /// Returns the first numbers of both vectors.
     #[inline(always)]
     pub(crate) fn firsts(self, other: Self) -> Self {
         Self(lanes::firsts(self.0, other.0))
     }
 
-    /// The second of both.
+    /// Returns the second numbers of both vectors.
     #[inline(always)]
     pub(crate) fn seconds(self, other: Self) -> Self {
         Self(lanes::seconds(self.0, other.0))
     }
 
-    /// In the other order.
+    /// Returns both numbers in the other order.
     #[inline(always)]
     pub(crate) fn swapped(self) -> Self {
         Self(lanes::swapped(self.0))
     }
 
-    /// The smaller ones; `other` where one is NaN.
+    /// Returns the minimum of each lane; that of `other` if one of them is NaN.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
         Self(lanes::min(self.0, other.0))
     }
 
-    /// The larger ones; `other` where one is NaN.
+    /// Returns the maximum of each lane; that of `other` if one of them is NaN.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
         Self(lanes::max(self.0, other.0))
@@ -87,25 +87,25 @@ impl F64x2 {
         Self(lanes::and_not(lanes::new(-0.0, -0.0), self.0))
     }
 
-    /// Exchanges the sign where the mask is false.
+    /// Negates the lanes in which the mask is false.
     #[inline(always)]
     pub(crate) fn negated_unless(self, mask: Mask) -> Self {
         Self(lanes::xor(self.0, lanes::and_not(mask.0, lanes::new(-0.0, -0.0))))
     }
 
-    /// Negated where the sign bit of `sign` is set.
+    /// Negates the lanes in which the sign bit of `sign` is set.
     #[inline(always)]
     pub(crate) fn times_sign_of(self, sign: Self) -> Self {
         Self(lanes::xor(self.0, lanes::and(lanes::new(-0.0, -0.0), sign.0)))
     }
 
-    /// False where one is NaN.
+    /// Compares each lane; false where one of them is NaN.
     #[inline(always)]
     pub(crate) fn less(self, other: Self) -> Mask {
         Mask(lanes::less(self.0, other.0))
     }
 
-    /// False where one is NaN.
+    /// Compares each lane; false where one of them is NaN.
     #[inline(always)]
     pub(crate) fn less_or_equal(self, other: Self) -> Mask {
         Mask(lanes::less_or_equal(self.0, other.0))
@@ -113,7 +113,7 @@ impl F64x2 {
 }
 
 impl Mask {
-    /// `yes` where true, `no` where false.
+    /// Returns the lanes of `yes` where the mask is true, and those of `no` elsewhere.
     #[inline(always)]
     pub(crate) fn select(self, yes: F64x2, no: F64x2) -> F64x2 {
         F64x2(lanes::or(lanes::and(self.0, yes.0), lanes::and_not(self.0, no.0)))
@@ -129,13 +129,13 @@ impl Mask {
         Self(lanes::or(self.0, other.0))
     }
 
-    /// True where one is and the other is not.
+    /// Returns the exclusive or of both masks.
     #[inline(always)]
     pub(crate) fn differs(self, other: Self) -> Self {
         Self(lanes::xor(self.0, other.0))
     }
 
-    /// Bit 0 for the first, bit 1 for the second.
+    /// Returns the mask as bit 0 for the first lane and bit 1 for the second.
     #[inline(always)]
     pub(crate) fn bits(self) -> u32 {
         lanes::bits(self.0)
@@ -151,7 +151,7 @@ impl Mask {
         self.bits() == 3
     }
 
-    /// True if one is and the other is not.
+    /// Returns whether exactly one lane is true.
     #[inline(always)]
     pub(crate) fn is_odd(self) -> bool {
         let bits = self.bits();
@@ -179,7 +179,7 @@ operator!(Div, div);
 
 #[cfg(target_feature = "sse2")]
 mod sse2 {
-    #![expect(unsafe_code, reason = "calls of functions that need a processor feature")]
+    #![expect(unsafe_code, reason = "intrinsics need a processor feature")]
 
     #[cfg(target_arch = "x86")]
     use core::arch::x86 as arch;
@@ -193,7 +193,7 @@ mod sse2 {
             $(
                 #[inline(always)]
                 pub(super) fn $name($($argument: $type),+) -> $result {
-                    // SAFETY: these need SSE2 and nothing else, and this module is compiled only with it.
+                    // SAFETY: the intrinsics need SSE2, and this module is compiled only with it.
                     unsafe { $value }
                 }
             )+
@@ -224,7 +224,7 @@ mod sse2 {
     }
 }
 
-/// The same with arrays.
+/// The same operations on arrays.
 #[cfg(any(test, not(target_feature = "sse2")))]
 mod portable {
     pub(super) type Lanes = [f64; 2];
@@ -275,7 +275,10 @@ mod portable {
         xor(a: Lanes, b: Lanes) -> Lanes = bitwise(a, b, |a, b| a ^ b);
         less(a: Lanes, b: Lanes) -> Lanes = each(a, b, |a, b| truth(a < b));
         less_or_equal(a: Lanes, b: Lanes) -> Lanes = each(a, b, |a, b| truth(a <= b));
-        bits(a: Lanes) -> u32 = (a[0].to_bits() >> 63) as u32 | ((a[1].to_bits() >> 63) as u32) << 1;
+        bits(a: Lanes) -> u32 = {
+            let [first, second] = a.map(|lane| (lane.to_bits() >> 63) as u32);
+            first | second << 1
+        };
     }
 }
 
@@ -289,14 +292,14 @@ mod tests {
     macro_rules! bits {
         ($lanes:ident, $name:ident, $($argument:expr),+) => {{
             let found = $lanes::$name($($argument),+);
-            // A NaN has many forms.
+            // A NaN has many bit patterns.
             let bits = |x: f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
             [bits($lanes::first(found)), bits($lanes::second(found))]
         }};
     }
 
     #[test]
-    fn both_forms_give_the_same_bits() {
+    fn sse2_and_arrays_give_the_same_bits() {
         macro_rules! same {
             ($($name:ident),+) => {
                 for (a, b) in NUMBERS.iter().flat_map(|&a| NUMBERS.map(|b| (a, b))) {

@@ -1,13 +1,13 @@
 //! The three queries of every shape, as a floating-point filter followed by exact evaluation.
 //!
-//! A filter computes in `f64` and either knows the answer for certain or reports that it cannot decide. It is
-//! inlined at the call. The exact evaluation, in more digits, decides the rays that are left; it is an outlined
-//! call. It starts again from the shape and the ray and computes the final answer: if it took intermediate
-//! values of the filter, the filter would have to spill them to the stack. As it is, a filter pays one
-//! comparison and one branch for the call.
+//! A filter computes in `f64` and either knows the answer for certain or reports that it cannot
+//! decide. It is inlined at the call. The exact evaluation, in more digits, decides the rays that
+//! are left; it is an outlined call. It starts again from the shape and the ray and computes the
+//! final answer: if it took intermediate values of the filter, the filter would have to spill them
+//! to the stack. As it is, a filter pays one comparison and one branch for the call.
 //!
-//! Source for the term: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
-//! Predicates", Discrete & Computational Geometry 18, 1997.
+//! Source for the term: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast
+//! Robust Geometric Predicates", Discrete & Computational Geometry 18, 1997.
 
 use crate::{Hit, Ray};
 
@@ -36,8 +36,8 @@ pub(crate) trait Solve {
     /// Returns the first crossing in the interval of the ray if `f64` suffices to find it.
     fn filter(&self, ray: &Ray) -> Filtered<Self::Root>;
 
-    /// Returns the first crossing in the interval of any ray. Shapes whose filter is never uncertain keep
-    /// the default, which is not called.
+    /// Returns the first crossing in the interval of any ray. Shapes whose filter is never
+    /// uncertain keep the default, which is not called.
     fn solve_exactly(&self, _: &Ray) -> Option<Self::Root> {
         None
     }
@@ -49,16 +49,18 @@ pub(crate) trait Solve {
 
 /// A difference that keeps less than this share of its terms is uncertain.
 ///
-/// It has lost 16 of the 53 bits of an `f64`. With the remaining 37 it rounds to the same `f32` as the exact
-/// value, except for one case in 2¹², in which it rounds to the neighbour, half a unit away.
+/// It has lost 16 of the 53 bits of an `f64`. With the remaining 37 it rounds to the same `f32` as
+/// the exact value, except for one case in 2¹², in which it rounds to the neighbour, half a unit
+/// away.
 pub(crate) const CANCELLATION: f64 = 1.0 / 65_536.0;
 
-/// The square of `2²⁵`: the distance in radii of a sphere or cone from which its filter is uncertain. Where the
-/// ray grazes, that distance is shorter by the factor `h`, the root of the share of the discriminant that is
-/// left.
+/// The square of `2²⁵`: the distance in radii of a sphere or cone from which its filter is
+/// uncertain. Where the ray grazes, that distance is shorter by the factor `h`, the root of the
+/// share of the discriminant that is left.
 ///
-/// At a distance of `D` radii the moment of a ray is known to `2⁻⁵³ D` radii, and the discriminant, as a share
-/// of its terms, to twice that; half the chord, which is `h`, to `2⁻⁵³ D / h`. So the normal is known to `2⁻²⁸`.
+/// At a distance of `D` radii the moment of a ray is known to `2⁻⁵³ D` radii, and the discriminant,
+/// as a share of its terms, to twice that; half the chord, which is `h`, to `2⁻⁵³ D / h`. So the
+/// normal is known to `2⁻²⁸`.
 pub(crate) const FAR: f64 = (1_u64 << 50) as f64;
 
 #[inline(always)]

@@ -1,27 +1,29 @@
-//! Rounding bounds, and how to leave a surface without hitting it again.
+//! Rounding bounds, and the origin of a ray that leaves a surface.
 
 use glam::{DVec3, Vec3};
 
-/// Half the distance between 1 and the next larger `f32`: the largest relative error of one
-/// rounding.
+/// Bound on the relative error of one rounding to `f32`: `2⁻²⁴`, half the distance between 1 and
+/// the next larger `f32`.
 pub const UNIT_ROUNDOFF: f32 = 0.5 * f32::EPSILON;
 
-/// Where a ray leaves a surface so that it cannot meet the surface again by rounding alone.
+/// Returns the origin of a ray that leaves a surface, such that rounding alone cannot make it hit
+/// the same surface again. [`Hit::spawn`](crate::Hit::spawn) calls it with the values of a hit.
 ///
-/// `position` lies within `error` of the surface, whose normal there is `normal` (of unit length);
-/// the result lies on the side that `direction` points to. The step is `error` along the normal,
-/// rounded outwards in each coordinate, so it is as small as the error allows.
+/// `position` lies within `error` of the surface, and `normal` is the unit normal there. The origin
+/// is `position` moved by `error` along the normal, to the side that `direction` points to, and
+/// rounded outwards in each coordinate: the smallest step that the error allows.
 ///
 /// Source: M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", section 6.8.6 (robust
 /// spawned ray origins), 4th edition, 2023.
 #[must_use]
 #[inline]
 pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) -> Vec3 {
-    // In `f64`, where the products are exact: the sign of a grazing direction must not be an accident.
+    // In `f64` the products are exact, so that the sign is right at grazing directions too.
     let outwards = normal.as_dvec3().dot(direction.as_dvec3());
     let side = if outwards < 0.0 { -normal } else { normal };
-    // The next number outwards, by selections and no branches, for nobody could foretell them: the integers that
-    // the bits are, negative ones mirrored, are in the order of the numbers.
+    // Rounds outwards to the next number, branch-free: the signs of the step are unpredictable.
+    // Read as integers, with the negative ones mirrored, the bits of floating-point numbers have
+    // the order of the numbers.
     let away = |p: f32, step: f32| {
         let moved = p + step;
         let mirrored = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
@@ -34,15 +36,16 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
     Vec3::new(away(position.x, step.x), away(position.y, step.y), away(position.z, step.z))
 }
 
-/// Bound on the distance between a point and `p`, its coordinates rounded to `f32`.
+/// Returns a bound on the distance between a point that was computed in `f64` and `p`, the same
+/// point rounded to `f32`.
 ///
-/// This is the [`Hit::error`](crate::Hit::error) of all primitives here, which compute the point in
-/// `f64` and round it once; an own primitive that does so may use it too.
+/// This is the [`Hit::error`](crate::Hit::error) of all shapes of this crate. Your own
+/// [`Primitive`](crate::Primitive) may use it if it computes its point in `f64` and rounds it once.
 ///
-/// Each coordinate moves by at most `u |p_i|`, `u` being [`UNIT_ROUNDOFF`], or by half of the smallest
-/// subnormal number. The sum of the three bounds the length of the step, and costs no square root. The
-/// factor pays for the `f64` arithmetic before it; the smallest normal number stands in for the subnormal
-/// ones, so that the step never underflows.
+/// Each coordinate moves by at most `u |p_i|`, with `u` = [`UNIT_ROUNDOFF`], or by half of the
+/// smallest subnormal number. The sum of the three coordinates bounds the length without a square
+/// root. A factor a little above 1 covers the rounding of the `f64` arithmetic, and the smallest
+/// normal number replaces the subnormal ones, so that the step does not underflow.
 #[must_use]
 #[inline]
 pub fn rounding_error(p: Vec3) -> f32 {

@@ -1,77 +1,131 @@
-//! Exact ray intersection of round primitives, beside their usual approximations.
+//! Exact ray intersection of spheres, rounded cones, bilinear patches and triangles, and of the
+//! usual approximations of points, lines and quads.
 //!
-//! | shape | is | parameters `uv` |
+//! | shape | definition | parameters `uv` |
 //! | --- | --- | --- |
-//! | [`Sphere`] | the points at a distance from a centre | longitude from x towards z, polar angle from y |
+//! | [`Sphere`] | the points at a distance from a center | longitude, polar angle |
 //! | [`RoundedCone`] | the convex hull of two balls | along the profile, around the axis |
-//! | [`BilinearPatch`] | the surface between four corners | the two weights |
-//! | [`Triangle`] | the flat surface between three | the weights of the second and the third |
-//! | [`vanilla`] | discs, ribbons and pairs of triangles in their place | as in yocto-gl |
+//! | [`BilinearPatch`] | the bilinear surface of four corners | the two weights |
+//! | [`Triangle`] | the flat surface of three corners | the weights of `p1` and `p2` |
+//! | [`vanilla`] | discs, ribbons and pairs of triangles | as in yocto-gl |
 //!
 //! ```text
-//!  RoundedCone              u = 0: pole of the cap about p0          u = 1: pole of the cap about p1
-//!                                     .--"""--..____
-//!    u grows along the profile,     /       |       """--._
-//!    at constant speed             u=0  p0  +---- axis ---+ p1  u=1      v turns about the axis
-//!                                   \       |   ____...--'
-//!                                     `--...--""
+//!  RoundedCone           u = 0: pole of the cap about p0         u = 1: pole of the cap about p1
+//!                                   .--"""--..____
+//!    u is the arc length         /       |       """--._
+//!    along the profile          u=0  p0  +---- axis ---+ p1  u=1     v is the angle about the axis
+//!                                \       |   ____...--'
+//!                                  `--...--""
 //! ```
+//!
+//! All shapes implement the trait [`Primitive`], as your own shapes can: its page says how. Every
+//! query is also a method of the shape itself, so the trait need not be imported.
 //!
 //! # Conventions
 //!
-//! - A direction has any length; `t` counts in it. The interval `t_min..=t_max` is closed, and the rounded
-//!   `t`, the one that is reported, decides whether it holds a crossing. A hit at an end of it counts.
-//! - A query finds the first crossing in the interval. One before `t_min` never hides a later one, and a
-//!   ray that starts inside a solid finds where it leaves. It enters (or comes from the front) if
-//!   `normal.dot(direction)` is negative, and leaves otherwise; the next crossing is found from `t_min`
-//!   just after this one.
-//! - A NaN or an infinity in a ray or a shape, a zero direction, a radius that is negative, and a shape
-//!   without extent miss. Nothing panics. A crossing whose `t` is no finite `f32` does not count.
-//! - A patch, a triangle and a quad have the normal about which their parameters turn counter-clockwise.
+//! - The direction of a ray has any length, and `t` counts in units of it. The interval
+//!   `t_min..=t_max` is closed: a hit at one of its ends counts. The `t` that is rounded to `f32`
+//!   and reported decides whether a crossing is in the interval.
+//! - A query finds the first crossing in the interval. A crossing before `t_min` never hides a
+//!   later one, and a ray that starts inside a solid finds where it leaves. The ray enters the
+//!   solid, or comes from the front of a surface, if `normal.dot(direction)` is negative, and
+//!   leaves otherwise. To find the next crossing of the same shape, set `t_min` to `t.next_up()`.
+//! - The normal of a patch, a triangle or a quad points to the side from which its parameters turn
+//!   counter-clockwise.
+//! - Lengths have any unit. Angles are in radians.
 //!
-//! # Accuracy
+//! # Invalid input
 //!
-//! Input is taken as exact. The solvers work in `f64`, in forms whose terms do not grow with the distance
-//! of the ray. Those of the three round shapes start again with 106 bits where an `f64` leaves too few: at
-//! grazing incidence, and for rays that start on the surface unless it is certain which way they go. Each number
-//! of a [`Hit`] is rounded once.
-//! With `u = 2⁻²⁴`:
+//! Nothing panics, and no result is NaN: `closest` returns `None` and `any` false, if
 //!
-//! | | measured bound |
-//! | --- | --- |
-//! | `t` | `1.0 u t`, the rounded true root; a patch that a ray grazes to `1e-9` or starts on, up to `1e3 u t` |
-//! | `position` | `1.0 u max(abs(p), size)` from the surface, and within [`Hit::error`] |
-//! | `normal` | `1e-5` degrees; a patch `2e-5`, more where a ray grazes to `1e-9` (`5e-4`) or next to a collapsed edge |
-//! | `position(uv(hit))` | `1.0 u` from the surface; up to `8 u` along it, for `uv` are `f32` |
-//! | a ray from [`Hit::spawn`] | never meets a sphere or a cone again from outside |
-//! | a ray at a shared edge or corner of patches | one hit, whatever the order of their corners |
-//!
-//! `tests/` holds all of this against 106-bit arithmetic; `cargo xtask accuracy` prints it beside the
-//! published methods. An origin may be 2²⁶ sizes away, and a cone 10⁶ radii long, before these bounds grow.
-//!
-//! # Without the standard library
-//!
-//! The crate needs neither `std` nor an allocator: switch the default feature `std` off, and what `core` has not
-//! (roots, angles) comes from `libm`. `glam`, whose vectors are part of the interface, is exported here.
-//!
-//! # Example
+//! - the ray has a NaN in any field, an infinity in its origin or direction, or a zero direction;
+//! - its interval is empty (`t_min > t_max`);
+//! - the shape has a NaN or an infinity, a negative radius, or no extent (a sphere of radius zero,
+//!   a triangle without area); only the radius of a vanilla point or line may be infinite, and then
+//!   every ray in front of it hits;
+//! - the `t` of the crossing is no finite `f32`.
 //!
 //! ```
 //! use rotund_geometry::glam::Vec3;
-//! use rotund_geometry::{Ray, RoundedCone};
+//! use rotund_geometry::{Ray, Sphere};
+//!
+//! let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
+//! let ball = Sphere { center: Vec3::ZERO, radius: 1.0 };
+//! assert_eq!(ball.closest_t(&ray), Some(4.0));
+//!
+//! for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+//!     assert_eq!(Sphere { radius, ..ball }.closest(&ray), None);
+//! }
+//! for direction in [Vec3::ZERO, Vec3::NAN, Vec3::NEG_INFINITY] {
+//!     assert_eq!(ball.closest(&Ray { direction, ..ray }), None);
+//! }
+//! assert!(!ball.any(&Ray { t_min: 5.0, t_max: 3.0, ..ray }));
+//! assert!(!ball.any(&Ray { t_max: f32::NAN, ..ray }));
+//! ```
+//!
+//! The box of an invalid shape may be anything; a tree that is built over it must cope with that,
+//! as `rotund-bvh` does.
+//!
+//! # Accuracy
+//!
+//! The input is taken as exact. A floating-point filter in `f64`, in forms whose terms do not grow
+//! with the distance of the ray, decides most rays. Where an `f64` has too few digits, at grazing
+//! incidence and for rays that start on the surface, the three round shapes evaluate in
+//! double-double, with 106 bits. Each number of a [`Hit`] is rounded once. With `u = 2⁻²⁴`:
+//!
+//! | number | measured bound |
+//! | --- | --- |
+//! | `t` | `1.0 u t`: the exact root, rounded |
+//! | `t` of a patch, grazing to `1e-9` or from its surface | `1e3 u t` |
+//! | `position` | `1.0 u max(abs(p), size)` from the surface, and within [`Hit::error`] |
+//! | `normal` | `1e-5` degrees |
+//! | `normal` of a patch | `2e-5` degrees; `5e-4` if grazing to `1e-9`; more at a collapsed edge |
+//! | `position(uv(hit))` | `1.0 u` from the surface, up to `8 u` along it, since `uv` are `f32` |
+//! | a ray from [`Hit::spawn`] | never hits a sphere or a cone again from outside |
+//! | a ray at a shared edge or corner of patches | one hit, whatever the order of the corners |
+//!
+//! `tests/` checks all of this against arithmetic of 106 bits; `cargo xtask accuracy` compares it
+//! with the published methods. The bounds hold for an origin up to 2²⁶ sizes away, and for a cone
+//! up to 10⁶ radii long.
+//!
+//! # Features
+//!
+//! - `std` (default) takes roots and angles from the standard library. Without it the crate is
+//!   `no_std`, takes them from `libm`, and needs no allocator.
+//! - `serde` implements `Serialize` and `Deserialize` for rays, hits, boxes, methods and shapes. A
+//!   `t_max` of infinity is written as none, which JSON calls `null`. Other infinities, as in
+//!   [`Aabb::EMPTY`], need a format that has them, which JSON is not.
+//!
+//! `glam`, whose vectors are part of the interface, is exported as [`rotund_geometry::glam`](glam).
+//!
+//! # Example
+//!
+//! Picking: the nearest of several shapes, then a reflected ray and a refracted one.
+//!
+//! ```
+//! use rotund_geometry::glam::Vec3;
+//! use rotund_geometry::{Primitive, Ray, RoundedCone, Sphere};
 //!
 //! let cone = RoundedCone { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::new(0.0, 0.0, 3.0), r1: 0.5 };
+//! let ball = Sphere { center: Vec3::new(0.0, 0.0, 9.0), radius: 1.0 };
+//! let scene: [&dyn Primitive; 2] = [&ball, &cone];
+//!
 //! let ray = Ray::new(Vec3::new(0.0, 0.0, -5.0), Vec3::Z);
-//! let hit = cone.closest(&ray).expect("the ray runs along the axis");
-//! assert_eq!(hit.t, 4.0);
-//! assert_eq!(hit.position, Vec3::new(0.0, 0.0, -1.0));
+//! let (id, hit) = scene
+//!     .iter()
+//!     .enumerate()
+//!     .filter_map(|(id, shape)| Some((id, shape.closest(&ray)?)))
+//!     .min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))
+//!     .expect("the ray runs along the axis of both");
+//! assert_eq!((id, hit.t, hit.position), (1, 4.0, Vec3::new(0.0, 0.0, -1.0)));
 //!
-//! // On through the solid, to the other pole.
-//! let inside = hit.spawn(ray.direction);
-//! assert_eq!(cone.closest(&inside).map(|exit| exit.position.z), Some(3.5));
+//! // A reflected ray starts outside and never hits the cone again.
+//! let reflected = hit.spawn(ray.direction.reflect(hit.normal));
+//! assert!(!cone.any(&reflected));
 //!
-//! // Reflected, it never meets the cone again.
-//! assert!(!cone.any(&hit.spawn(-ray.direction)));
+//! // A ray that goes on starts inside and hits the other pole.
+//! let exit = cone.closest(&hit.spawn(ray.direction)).expect("an exit");
+//! assert_eq!(exit.position.z, 3.5);
 //! ```
 
 #![no_std]
@@ -114,7 +168,7 @@ pub use rounded_cone::RoundedCone;
 pub use sphere::Sphere;
 pub use triangle::Triangle;
 
-/// All public types can be shared between threads.
+/// Checks at compile time that all public types can be sent to and shared between threads.
 const _: () = {
     const fn is_send_and_sync<T: Send + Sync>() {}
     is_send_and_sync::<(Aabb, Hit, Ray, Method, UnknownMethod)>();

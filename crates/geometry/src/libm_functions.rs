@@ -1,6 +1,7 @@
-//! The functions that `core` does not have, for builds without `std`: there they come from `libm`.
+//! Roots and angles from `libm`, for builds without `std`, since `core` does not have them.
 //!
-//! With `std` the methods of `f64` itself are meant, which have the same names.
+//! The trait has the names of the methods of `f64` in `std`, so that the same calls compile with
+//! both.
 
 pub(crate) trait Functions {
     fn sqrt(self) -> Self;

@@ -2,15 +2,22 @@
 
 use core::{error, fmt, str::FromStr};
 
-/// Selects how rays meet points, lines and quads. Triangles are the same with both.
+/// Selects the shapes that points, lines and quads stand for. Triangles are the same with both.
 ///
 /// | method | point | line | quad |
 /// | --- | --- | --- | --- |
-/// | `Vanilla` | [`vanilla::Point`](crate::vanilla::Point) | [`vanilla::Line`](crate::vanilla::Line) | [`vanilla::Quad`](crate::vanilla::Quad) |
-/// | `Enhanced` | [`Sphere`](crate::Sphere) | [`RoundedCone`](crate::RoundedCone) | [`BilinearPatch`](crate::BilinearPatch) |
+/// | `Vanilla` | [`Point`] | [`Line`] | [`Quad`] |
+/// | `Enhanced` | [`Sphere`] | [`RoundedCone`] | [`BilinearPatch`] |
 ///
-/// The name of a method, in lower case, is also its form in scene files, on the command line and with
-/// the feature `serde`:
+/// [`Point`]: crate::vanilla::Point
+/// [`Line`]: crate::vanilla::Line
+/// [`Quad`]: crate::vanilla::Quad
+/// [`Sphere`]: crate::Sphere
+/// [`RoundedCone`]: crate::RoundedCone
+/// [`BilinearPatch`]: crate::BilinearPatch
+///
+/// The name of a method, in lower case, is also its form in scene files, on the command line and
+/// with the feature `serde`:
 ///
 /// ```
 /// use rotund_geometry::Method;

@@ -1,14 +1,16 @@
-//! Decides on which side of a round surface a ray starts, for rays whose origin is next to the surface.
+//! Decides on which side of a round surface a ray starts, for rays whose origin is next to the
+//! surface.
 //!
-//! A ray that leaves a surface, as nearly all rays of a path do, has a root at about `t = 0`, at a small negative
-//! value. The value hangs on digits that an `f64` does not have, but its sign can be found with fewer digits.
-//! The solids are convex: a plane that separates the ray from the solid shows that a ray outside misses. For a
-//! ray that starts inside, the entry lies before the origin and the exit does not.
+//! A ray that leaves a surface, as nearly all rays of a path do, has a root at about `t = 0`, at a
+//! small negative value. The value hangs on digits that an `f64` does not have, but its sign can be
+//! found with fewer digits. The solids are convex: a plane that separates the ray from the solid
+//! shows that a ray outside misses. For a ray that starts inside, the entry lies before the origin
+//! and the exit does not.
 //!
-//! The functions report only what is certain, with bounds on the rounding of their own `f64` arithmetic: `2⁻⁴⁸`
-//! of the sum of the terms is more than thirty roundings. The remaining rays are solved in double-double; where a
-//! function is certain, that evaluation finds the same signs, and its roots are not so near to zero that
-//! they could be rounded to it.
+//! The functions report only what is certain, with bounds on the rounding of their own `f64`
+//! arithmetic: `2⁻⁴⁸` of the sum of the terms is more than thirty roundings. The remaining rays are
+//! solved in double-double; where a function is certain, that evaluation finds the same signs, and
+//! its roots are not so near to zero that they could be rounded to it.
 
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
@@ -39,8 +41,9 @@ fn begins_ahead(ray: &Ray) -> bool {
 
 /// Locates the origin relative to the sphere of this `center` and `radius`.
 ///
-/// With `g = f·f - r²` and `b = f·d`: outside, `g` is positive and both roots of `a t² + 2 b t + g` have the
-/// sign of `-b`; inside, `g` is negative and the roots have opposite signs. Their product is `g / a`.
+/// With `g = f·f - r²` and `b = f·d`: outside, `g` is positive and both roots of `a t² + 2 b t + g`
+/// have the sign of `-b`; inside, `g` is negative and the roots have opposite signs. Their product
+/// is `g / a`.
 pub(crate) fn of_sphere(center: Vec3, radius: f32, ray: &Ray) -> OriginSide {
     let (c, r) = widen::ball(center, radius);
     let (o, d) = widen::ray(ray);
@@ -64,10 +67,10 @@ pub(crate) fn of_sphere(center: Vec3, radius: f32, ray: &Ray) -> OriginSide {
 
 /// Locates the origin relative to a rounded cone, neither of whose balls contains the other.
 ///
-/// The ball nearest to a point next to the surface is that of the surface point. The direction from its centre
-/// to the ray origin is the normal `n` of the separating plane: the solid lies behind the plane if both end
-/// balls do, and the ray lies before it if its origin does and it does not approach the plane. The error of `n`
-/// does not matter to this test.
+/// The ball nearest to a point next to the surface is that of the surface point. The direction from
+/// its center to the ray origin is the normal `n` of the separating plane: the solid lies behind
+/// the plane if both end balls do, and the ray lies before it if its origin does and it does not
+/// approach the plane. The error of `n` does not matter to this test.
 pub(crate) fn of_rounded_cone([(p0, r0), (p1, r1)]: [(Vec3, f32); 2], ray: &Ray) -> OriginSide {
     let ((p0, r0), (p1, r1)) = (widen::ball(p0, r0), widen::ball(p1, r1));
     let (o, d) = widen::ray(ray);

@@ -5,34 +5,40 @@ use glam::{Vec2, Vec3};
 use crate::vanilla::{Line, Point, Quad};
 use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 
-/// A shape that a ray can hit: what a tree over shapes, a picker or an integrator needs to know of it.
+/// A shape that a ray can hit: what a tree over shapes, a picker or an integrator needs to know of
+/// it.
 ///
-/// The seven shapes of this crate implement it by their methods of the same names, so a program that names
-/// its shapes need not import it. Implement it for a shape of your own to use it in the same places,
-/// for example in the trees of `rotund-bvh`.
+/// The seven shapes of this crate implement it by their methods of the same names, so a program
+/// that names its shapes need not import it. Implement it for a shape of your own to use it in the
+/// same places, for example in the trees of `rotund-bvh`.
 ///
 /// # Implementing it
 ///
-/// Four methods define a shape: [`closest`](Self::closest) and [`bounds`](Self::bounds) for the ray,
-/// [`position`](Self::position) and [`normal`](Self::normal) for the surface over its parameters. The
-/// others have defaults. A tree and [`Hit::spawn`] rely on the following.
+/// Four methods define a shape: [`closest`](Self::closest) and [`bounds`](Self::bounds) for the
+/// ray, [`position`](Self::position) and [`normal`](Self::normal) for the surface over its
+/// parameters. The others have defaults. A tree and [`Hit::spawn`] rely on the following.
 ///
-/// - **`t`** counts in units of `ray.direction`, whose length is arbitrary: do not normalise it, or divide
-///   `t` by its length afterwards. The interval `ray.t_min..=ray.t_max` is closed. A crossing before
-///   `t_min` must not hide a later one. [`Ray::accept`] rounds a root and tests the interval.
-/// - **NaN**: a NaN or an infinity in the ray or in the shape, and a zero direction, are a miss, `None`. No
-///   number of a hit is NaN. Write comparisons so that a NaN fails: `if !(x >= 0.0) { return None; }`.
-/// - **`position`** is the point of the surface; **`error`** bounds its distance from the exact surface. If the
-///   point is computed in `f64` and rounded once, [`rounding_error`](crate::rounding_error) is the bound. An
-///   error that is too small lets a spawned ray hit the surface that it left; one that is too large makes it
-///   start too far away. `position` lies within `bounds`.
+/// - **`t`** counts in units of `ray.direction`, whose length is arbitrary: do not normalise it, or
+///   divide `t` by its length afterwards. The interval `ray.t_min..=ray.t_max` is closed. A
+///   crossing before `t_min` must not hide a later one. [`Ray::accept`] rounds a root and tests the
+///   interval.
+/// - **NaN**: a NaN or an infinity in the ray or in the shape, and a zero direction, are a miss,
+///   `None`. No number of a hit is NaN. Write comparisons so that a NaN fails: `if !(x >= 0.0) {
+///   return None; }`.
+/// - **`position`** is the point of the surface; **`error`** bounds its distance from the exact
+///   surface. If the point is computed in `f64` and rounded once,
+///   [`rounding_error`](crate::rounding_error) is the bound. An error that is too small lets a
+///   spawned ray hit the surface that it left; one that is too large makes it start too far away.
+///   `position` lies within `bounds`.
 /// - **`normal`** has unit length and points out of a solid, or to the front of a sheet, whichever
 ///   side the ray came from. It is not turned towards the ray.
-/// - **`parameters`** is for [`uv`](Self::uv) alone: store there what the intersection knows and `uv` needs.
-/// - **`uv`** lies in `0.0..=1.0` in both coordinates, and `position(uv(&hit))` is the point of the hit within
-///   rounding.
+/// - **`parameters`** is for [`uv`](Self::uv) alone: store there what the intersection knows and
+///   `uv` needs.
+/// - **`uv`** lies in `0.0..=1.0` in both coordinates, and `position(uv(&hit))` is the point of the
+///   hit within rounding.
 ///
-/// The same ray must give the same answer each time, and `closest_t` and `any` must agree with `closest`.
+/// The same ray must give the same answer each time, and `closest_t` and `any` must agree with
+/// `closest`.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
@@ -52,8 +58,10 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 ///
 ///     fn closest(&self, ray: &Ray) -> Option<Hit> {
 ///         // In f64, so that each number of the hit is rounded once.
-///         let (o, d, c) = (ray.origin.as_dvec3(), ray.direction.as_dvec3(), self.center.as_dvec3());
-///         let t = (c.z - o.z) / d.z; // infinite or NaN if the ray is parallel: `accept` refuses it
+///         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+///         let c = self.center.as_dvec3();
+///         // Infinite or NaN if the ray is parallel to the disc: both fail below.
+///         let t = (c.z - o.z) / d.z;
 ///         let across = (o + t * d - c).truncate();
 ///         let r = f64::from(self.radius);
 ///         // Written so that a NaN fails.
@@ -87,18 +95,21 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 /// assert!(!disc.any(&Ray::new(Vec3::ZERO, Vec3::NAN)));
 /// ```
 pub trait Primitive {
-    /// Returns a box that holds the shape and every position that [`closest`](Self::closest) reports.
+    /// Returns a box that holds the shape and every position that [`closest`](Self::closest)
+    /// reports.
     ///
-    /// Trees skip a shape if the ray misses this box. A shape that no ray can hit may return any box.
+    /// Trees skip a shape if the ray misses this box. A shape that no ray can hit may return any
+    /// box.
     fn bounds(&self) -> Aabb;
 
     /// Returns the first crossing of the surface with `t` in `ray.t_min..=ray.t_max`.
     ///
-    /// A ray that starts inside a solid reports where it leaves. The page of the trait says what a hit must
-    /// hold.
+    /// A ray that starts inside a solid reports where it leaves. The page of the trait says what a
+    /// hit must hold.
     fn closest(&self, ray: &Ray) -> Option<Hit>;
 
-    /// Returns the `t` of [`closest`](Self::closest), the same bits. Override it if that is cheaper.
+    /// Returns the `t` of [`closest`](Self::closest), the same bits. Override it if that is
+    /// cheaper.
     #[inline]
     fn closest_t(&self, ray: &Ray) -> Option<f32> {
         self.closest(ray).map(|hit| hit.t)
@@ -110,7 +121,8 @@ pub trait Primitive {
         self.closest_t(ray).is_some()
     }
 
-    /// Returns the surface parameters of a hit of this shape; [`Hit::parameters`] unless overridden.
+    /// Returns the surface parameters of a hit of this shape; [`Hit::parameters`] unless
+    /// overridden.
     #[inline]
     fn uv(&self, hit: &Hit) -> Vec2 {
         hit.parameters

@@ -38,9 +38,9 @@ impl Ray {
 
     /// Rounds `t` to `f32`; returns `None` if the result is not finite or not in `t_min..=t_max`.
     ///
-    /// All primitives decide by this whether a root counts. The rounded value decides, because callers
-    /// see that one: a hit is always within its interval, and is found again if it becomes an end of
-    /// the interval. A NaN, in `t` or at an end of the interval, gives `None`.
+    /// All primitives decide by this whether a root counts. The rounded value decides, because
+    /// callers see that one: a hit is always within its interval, and is found again if it becomes
+    /// an end of the interval. A NaN, in `t` or at an end of the interval, gives `None`.
     #[must_use]
     #[inline]
     pub fn accept(&self, t: f64) -> Option<f32> {
@@ -74,11 +74,11 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Returns the ray from this point in `direction`, of any length, that does not meet the surface
-    /// it starts on again by rounding alone.
+    /// Returns the ray from this point in `direction`, of any length, that does not meet the
+    /// surface it starts on again by rounding alone.
     ///
-    /// The origin is [`leave_surface`] of this hit, on the side that `direction` points to: outside for
-    /// a reflection, inside for a refraction. The interval is `0.0..=f32::INFINITY`.
+    /// The origin is [`leave_surface`] of this hit, on the side that `direction` points to: outside
+    /// for a reflection, inside for a refraction. The interval is `0.0..=f32::INFINITY`.
     ///
     /// ```
     /// use rotund_geometry::{Ray, Sphere, glam::Vec3};
@@ -98,12 +98,12 @@ impl Hit {
         Ray::new(leave_surface(self.position, self.error, self.normal, direction), direction)
     }
 
-    /// Returns the ray from this point towards `point`, at `t = 1`, for visibility tests: `any` is true
-    /// if a primitive lies in between.
+    /// Returns the ray from this point towards `point`, at `t = 1`, for visibility tests: `any` is
+    /// true if a primitive lies in between.
     ///
-    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, since the rounding of `t` could
-    /// otherwise report a surface on which `point` lies. That covers points at which the ray does not
-    /// graze; between two hits, step off both surfaces:
+    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, since the rounding of `t`
+    /// could otherwise report a surface on which `point` lies. That covers points at which the ray
+    /// does not graze; between two hits, step off both surfaces:
     ///
     /// ```
     /// use rotund_geometry::{Ray, Sphere, glam::Vec3};

@@ -1,24 +1,25 @@
-//! Vertices as a ray sees them: a picture in which the ray is the origin.
+//! Ray space: vertices projected along a ray onto a plane, in which the ray is the origin.
 
 use glam::Vec3;
 
 use crate::Ray;
 use crate::f64x2::{F64x2, Mask};
 
-/// Projects points along a ray onto a plane.
+/// The projection of points along a ray onto a plane.
 ///
-/// The plane is the pair of axes that are not the dominant one of the direction, `z`:
-/// `x = f_x d_z - f_z d_x`, `y = f_y d_z - f_z d_y`, with `f` the point seen from the origin of the ray.
-/// The image of a vertex depends on nothing but the ray and the vertex. Two patches that share a vertex
-/// thus see it at the same place, to the last bit, whatever else they are made of: that is what makes
-/// shared edges watertight.
+/// The plane is spanned by the two axes other than the dominant axis `z` of the direction: `x = f_x
+/// d_z - f_z d_x`, `y = f_y d_z - f_z d_y`, with `f` the point minus the origin of the ray. The
+/// image of a vertex depends on nothing but the ray and the vertex. Two patches that share a vertex
+/// therefore project it to the same bits, whatever their other vertices are: this makes shared
+/// edges watertight.
 ///
 /// Source: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
-/// There is no division here, so the image is scaled by `d_z`.
+/// Here the division by `d_z` is left out, so the image is scaled by it.
 #[derive(Clone, Copy)]
 pub(crate) struct RaySpace {
     axes: [usize; 3],
-    // Each twice, in fields of their own: the compiler keeps these in registers, but an array in memory.
+    // Each value is in both lanes. They are separate fields because the compiler keeps those in
+    // registers, but an array in memory.
     ox: F64x2,
     oy: F64x2,
     oz: F64x2,
@@ -27,7 +28,7 @@ pub(crate) struct RaySpace {
     dz: F64x2,
 }
 
-/// The images of two vertices, and their depths: the distances along the dominant axis.
+/// The images of two vertices, and their depths, the distances along the dominant axis.
 #[derive(Clone, Copy)]
 pub(crate) struct Images {
     pub(crate) x: F64x2,
@@ -38,11 +39,11 @@ pub(crate) struct Images {
 impl RaySpace {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
-        // Of numbers that are not negative the bits have the same order, and are compared faster. Sums
-        // instead of branches: the axis of the next ray cannot be foretold.
+        // The bits of non-negative numbers have the order of the numbers, and integers are compared
+        // faster. The dominant axis is computed branch-free, because it is unpredictable.
         let [x, y, z] = ray.direction.to_array().map(|d| d.to_bits() << 1);
         let z = (usize::from(y >= x) + 2 * usize::from(z >= x.max(y))).min(2);
-        // Not by a table: so the compiler sees that they are axes.
+        // Arithmetic instead of a table, so that the compiler can prove the indices to be below 3.
         let (x, y) = (if z == 2 { 0 } else { z + 1 }, if z == 0 { 2 } else { z - 1 });
         let (o, d): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
         let (x_of, y_of) = (F64x2::widen(o[x], d[x]), F64x2::widen(o[y], d[y]));
@@ -58,13 +59,13 @@ impl RaySpace {
         }
     }
 
-    /// The axes that are `x`, `y` and `z` of the image.
+    /// Returns the axes of the world that are `x`, `y` and `z` of the image.
     #[inline(always)]
     pub(crate) fn axes(&self) -> [usize; 3] {
         self.axes
     }
 
-    /// The images of two points.
+    /// Projects two points.
     #[inline(always)]
     pub(crate) fn project(&self, p: &Vec3, q: &Vec3) -> Images {
         let [x, y, z] = self.axes;
@@ -78,13 +79,13 @@ impl RaySpace {
         }
     }
 
-    /// The size of the direction along the dominant axis.
+    /// Returns the absolute value of the direction along the dominant axis.
     #[inline(always)]
     pub(crate) fn length(&self) -> f64 {
         self.dz.first().abs()
     }
 
-    /// `t` at a depth.
+    /// Returns the `t` of a depth.
     #[inline(always)]
     pub(crate) fn t(&self, depth: f64) -> f64 {
         depth * self.dz.first().recip()
@@ -92,37 +93,41 @@ impl RaySpace {
 }
 
 impl Images {
-    /// The first vertex of both.
+    /// Returns the first vertices of both pairs.
     #[inline(always)]
     pub(crate) fn firsts(&self, other: &Self) -> Self {
         let (x, y) = (self.x.firsts(other.x), self.y.firsts(other.y));
         Self { x, y, depth: self.depth.firsts(other.depth) }
     }
 
-    /// The second vertex of both.
+    /// Returns the second vertices of both pairs.
     #[inline(always)]
     pub(crate) fn seconds(&self, other: &Self) -> Self {
         let (x, y) = (self.x.seconds(other.x), self.y.seconds(other.y));
         Self { x, y, depth: self.depth.seconds(other.depth) }
     }
 
-    /// Both vertices in the other order.
+    /// Returns both vertices in the other order.
     #[inline(always)]
     pub(crate) fn swapped(&self) -> Self {
         Self { x: self.x.swapped(), y: self.y.swapped(), depth: self.depth.swapped() }
     }
 
-    /// Twice the signed areas of the triangles (ray, a vertex, the vertex of `to`): negated, to the last
-    /// bit, if the two change places, so that it cannot disagree between two neighbours.
+    /// Returns twice the signed areas of the triangles (ray, vertex, vertex of `to`).
+    ///
+    /// If the two vertices change places, the area is negated to the bit, so that two neighbours
+    /// with a common edge agree about its side.
     #[inline(always)]
     pub(crate) fn areas(&self, to: &Self) -> F64x2 {
         self.x * to.y - to.x * self.y
     }
 
-    /// Whether the edges to `to`, with these `areas`, cross the positive x axis of the image.
+    /// Returns whether the edges to `to`, with these `areas`, cross the positive x axis of the
+    /// image.
     ///
-    /// The same for both directions of an edge. A closed outline crosses it an odd number of times exactly
-    /// if the ray passes through it an odd number of times. (An end on the axis counts as above it.)
+    /// The answer is the same for both directions of an edge. The winding number of a closed
+    /// outline about the ray is odd exactly if an odd number of its edges cross that axis. A vertex
+    /// on the axis counts as above it.
     #[inline(always)]
     pub(crate) fn crosses(&self, to: &Self, areas: F64x2) -> Mask {
         let zero = F64x2::splat(0.0);

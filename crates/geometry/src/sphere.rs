@@ -1,19 +1,21 @@
 //! The sphere.
 //!
-//! Derivation. With `f = o - c`, the ray `f + t d` meets `|x| = r` where
-//! `a t² + 2 b t + g = 0`, `a = d·d`, `b = f·d`, `g = f·f - r²`. The textbook discriminant `b² - a g`
-//! subtracts two numbers of the size `a f·f` to find one of the size `a r²`: at a distance of
-//! `1000 r` an `f32` has no digit left. Lagrange's identity `(f·f)(d·d) - (f·d)² = |f × d|²` turns it
-//! into `a r² - |f × d|²`, which compares the two lengths that matter: the radius, and the distance
-//! of the line from the centre.
+//! # Derivation
 //!
-//! In `f64` the difference `o - c` of two `f32` is exact unless their exponents are far apart, and so
-//! are most of the products. The numbers that leave are rounded once. No square of finite `f32`
+//! With `f = o - c`, the ray `f + t d` meets `|x| = r` where `a t² + 2 b t + g = 0`, `a = d·d`, `b
+//! = f·d`, `g = f·f - r²`. The textbook discriminant `b² - a g` subtracts two numbers of the size
+//! `a f·f` to find one of the size `a r²`: at a distance of `1000 r` no digit of an `f32` is left.
+//! By Lagrange's identity `(f·f)(d·d) - (f·d)² = |f × d|²` the discriminant is `a r² - |f × d|²`,
+//! which compares the radius with the distance of the line from the center. Neither term grows with
+//! the distance of the origin along the ray.
+//!
+//! In `f64` the difference `o - c` of two `f32` is exact unless their exponents are far apart, and
+//! so are most of the products. The results are rounded to `f32` once. No square of finite `f32`
 //! input, nor a product of two squares, overflows or underflows an `f64`.
 //!
 //! Sources: E. Haines, J. Günther, T. Akenine-Möller, "Precision Improvements for Ray/Sphere
-//! Intersection", Ray Tracing Gems, chapter 7, 2019, for where the textbook loses its digits and for
-//! the root without cancellation, after W. H. Press et al., "Numerical Recipes", section 5.6.
+//! Intersection", Ray Tracing Gems, chapter 7, 2019, for where the textbook loses its digits and
+//! for the roots without cancellation, after W. H. Press et al., "Numerical Recipes", section 5.6.
 
 use core::f64::consts::{PI, TAU};
 
@@ -31,12 +33,14 @@ use crate::{Aabb, Hit, Ray, widen};
 ///
 /// # Accuracy
 ///
-/// `t` is the rounded root; the position is within `1.0 u max(|p|, radius)` of the surface, `u = 2⁻²⁴`, and
-/// the normal within `1e-5` degrees, at every distance up to 2²⁵ radii (beyond that at more cost).
+/// `t` is the exact root, rounded. The position is within `1.0 u max(|p|, radius)` of the surface,
+/// `u = 2⁻²⁴`, and the normal within `1e-5` degrees. This holds at every distance; beyond 2²⁵ radii
+/// it takes more time.
 ///
 /// # Degenerate inputs
 ///
-/// A radius that is zero, negative or NaN has no surface. A ray that touches the sphere hits it once.
+/// A radius that is zero, negative or NaN misses, and so does a center with a NaN or an infinity. A
+/// tangent ray hits once.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
@@ -50,9 +54,9 @@ use crate::{Aabb, Hit, Ray, widen};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
-    /// The centre.
+    /// The center.
     pub center: Vec3,
-    /// The distance of the surface from the centre; positive.
+    /// The distance of the surface from the center; positive.
     pub radius: f32,
 }
 
@@ -63,7 +67,7 @@ impl Default for Sphere {
     }
 }
 
-/// What `closest` knows before it rounds: the root, and the point relative to the centre.
+/// A crossing before rounding: the root, and the point relative to the center.
 pub(crate) struct Root {
     pub(crate) t: f32,
     pub(crate) from_center: DVec3,
@@ -72,7 +76,9 @@ pub(crate) struct Root {
 
 queries!(
     Sphere,
-    /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
+    /// Returns the first crossing of the surface with `t` in `t_min..=t_max`.
+    ///
+    /// For a ray that starts inside, this is the exit.
 );
 
 impl Solve for Sphere {
@@ -92,12 +98,12 @@ impl Solve for Sphere {
         if !(discriminant >= -grazing && r > 0.0) {
             return Filtered::Miss;
         }
-        // Two reciprocals for one division, which runs beside the square root.
+        // One division gives both reciprocals, and overlaps with the square root.
         let inverse = (a * r).recip();
         let (over_a, over_r) = (inverse * r, inverse * a);
         let b = f.dot(d);
         let root = discriminant.sqrt();
-        // The ends of the part of the line that lies in the ball.
+        // The ends of the chord, the part of the line inside the ball.
         let (near, far) = (-b - root, -b + root);
         let product = (near * far).abs();
         if (discriminant <= grazing) | (product <= grazing) | (product > FAR * discriminant) {
@@ -113,7 +119,7 @@ impl Solve for Sphere {
         Filtered::Hit(Root { t, from_center, normal: from_center * over_r })
     }
 
-    /// For rays that graze or start next to the surface.
+    /// Decides rays that graze, that start next to the surface, or that come from far away.
     #[cold]
     #[inline(never)]
     fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
@@ -148,8 +154,8 @@ impl Solve for Sphere {
 }
 
 impl Sphere {
-    /// Where a ray from inside, for which the nearer root is out of question, leaves; `None` if an `f64` has too
-    /// few digits for that.
+    /// Returns the exit of a ray that starts inside, whose nearer root cannot count; `None` if an
+    /// `f64` has too few digits for it.
     fn solve_exit(&self, ray: &Ray) -> Option<Option<Root>> {
         let (c, r) = widen::ball(self.center, self.radius);
         let (o, d) = widen::ray(ray);
@@ -159,7 +165,7 @@ impl Sphere {
         let b = f.dot(d);
         let square = a * (r * r);
         let discriminant = square - w.dot(w);
-        // With b above zero the far root, too, is a difference.
+        // If b is positive, the far root is a difference that may cancel.
         if !(b <= 0.0 && discriminant > CANCELLATION * square) {
             return None;
         }
@@ -169,7 +175,7 @@ impl Sphere {
         Some(Some(Root { t, from_center, normal: from_center / r }))
     }
 
-    /// With 106 bits.
+    /// Solves with 106 bits.
     #[inline(never)]
     pub(crate) fn solve_in_double_double(&self, ray: &Ray) -> Option<Root> {
         let exact = |p: Vec3| p.to_array().map(DoubleDouble::exact);
@@ -184,8 +190,8 @@ impl Sphere {
         if discriminant < DoubleDouble::ZERO || self.radius.is_nan() || self.radius <= 0.0 {
             return None;
         }
-        // Both terms of q have the sign of -b, so their sum does not cancel; the other root comes from
-        // the product of the roots, g / a.
+        // Both terms of q have the sign of -b, so their sum does not cancel. The other root comes
+        // from the product of the roots, g / a.
         let root = discriminant.square_root();
         let roots = if b >= DoubleDouble::ZERO {
             let q = -b - root;
@@ -194,7 +200,8 @@ impl Sphere {
             let q = root - b;
             [g / q, q / a]
         };
-        // Of a radius that 106 bits do not tell from the distance the roots may come out in either order.
+        // If the radius is below the resolution of 106 bits at this distance, the roots may come
+        // out in either order.
         let [near, far] = roots;
         let roots = if far < near { [near, near] } else { roots };
         roots.into_iter().find_map(|exact_t| {
@@ -202,44 +209,45 @@ impl Sphere {
             let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
             let from_center = DVec3::from_array(x);
             let normal = from_center / f64::from(self.radius);
-            // Unless it is so far away that 106 bits are too few.
+            // At the distances at which 106 bits are too few it is not.
             let is_unit = (normal.dot(normal) - 1.0).abs() < 1e-9;
             let normal = if is_unit { normal } else { normal.normalize_or(DVec3::Y) };
             Some(Root { t, from_center, normal })
         })
     }
 
-    /// A box that holds the sphere, and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the sphere and every position that [`Self::closest`] reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let r = Vec3::splat(self.radius);
         Aabb { min: self.center - r, max: self.center + r }.grown_by_rounding()
     }
 
-    /// The parameters of a hit: longitude and polar angle, see [`Self::position`].
+    /// Returns the surface parameters of a hit: longitude and polar angle, see [`Self::position`].
     #[must_use]
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         let n = hit.normal.as_dvec3();
         let u = n.z.atan2(n.x) / TAU;
-        // A tiny negative angle would round to a whole turn.
+        // A negative angle close to zero would round to a whole turn.
         let u = (if u < 0.0 { u + 1.0 } else { u }) as f32;
         Vec2::new(if u < 1.0 { u } else { 0.0 }, (n.x.hypot(n.z).atan2(n.y) / PI) as f32)
     }
 
-    /// The point with longitude `2 pi u` about the y axis, from x towards z, and polar angle `pi v`
-    /// from +y: as an environment map is laid out.
+    /// Returns the point with longitude `2 pi u` about the y axis, from x towards z, and polar
+    /// angle `pi v` from +y: the layout of an environment map.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {
         round(self.center.as_dvec3() + f64::from(self.radius) * direction(uv))
     }
 
-    /// The outward unit normal at [`Self::position`].
+    /// Returns the outward unit normal at [`Self::position`].
     #[must_use]
     pub fn normal(&self, uv: Vec2) -> Vec3 {
         round(direction(uv))
     }
 
-    /// The derivatives of [`Self::position`] by `u` and by `v`. The first is zero at the poles.
+    /// Returns the derivatives of [`Self::position`] by `u` and by `v`. The first is zero at the
+    /// poles.
     #[must_use]
     pub fn tangents(&self, uv: Vec2) -> (Vec3, Vec3) {
         let (sin_u, cos_u) = (TAU * f64::from(uv.x)).sin_cos();
@@ -264,7 +272,7 @@ mod tests {
     use crate::test_rays::{aimed, spawned};
 
     #[test]
-    fn rays_are_told_to_leave_a_sphere_or_start_inside_as_106_bits_do() {
+    fn the_side_of_the_origin_of_a_ray_is_that_found_with_106_bits() {
         let mut random = Random(0x9E37_79B9_7F4A_7C15);
         let mut known = [0, 0];
         let mut spawned_count = 0;

@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::test_random::Random;
 use crate::{Hit, Ray, leave_surface};
 
-/// A ray from the point of a hit in any direction, half of them close to the tangent plane. It steps off the
-/// surface by the error bound, by a tenth of it, or not at all.
+/// A ray from the point of a hit in any direction, half of them close to the tangent plane. It
+/// steps off the surface by the error bound, by a tenth of it, or not at all.
 pub(crate) fn spawned(random: &mut Random, hit: &Hit) -> Ray {
     let direction = random.in_cube() * random.power(3.0);
     let lift = hit.normal * hit.normal.dot(direction);

@@ -8,7 +8,30 @@ use crate::float::{round, rounding_error};
 use crate::ray_space::{Images, RaySpace};
 use crate::{Aabb, Hit, Ray};
 
-/// The flat triangle of three points.
+/// The flat triangle with the corners `p0`, `p1` and `p2`.
+///
+/// # Accuracy
+///
+/// The position is within `1.0 u max(|p|, size)` of the surface, `u = 2⁻²⁴`. `t` and the normal are
+/// computed in `f64`, without an exact evaluation behind it, and rounded once: they have the error
+/// of that rounding unless the ray is nearly edge-on or the triangle a sliver. A ray at an edge or
+/// a corner that several triangles share hits exactly one of them.
+///
+/// # Degenerate inputs
+///
+/// A triangle without area misses, and so does one that is seen edge-on or has a corner that is not
+/// finite.
+///
+/// ```
+/// use rotund_geometry::glam::{Vec2, Vec3};
+/// use rotund_geometry::{Ray, Triangle};
+///
+/// let triangle = Triangle { p0: Vec3::ZERO, p1: 2.0 * Vec3::X, p2: 2.0 * Vec3::Y };
+/// let ray = Ray::new(Vec3::new(0.5, 0.5, 3.0), Vec3::NEG_Z);
+/// let hit = triangle.closest(&ray).expect("the ray aims at the inside");
+/// assert_eq!((hit.t, hit.normal), (3.0, Vec3::Z));
+/// assert_eq!(triangle.uv(&hit), Vec2::splat(0.25));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Triangle {
@@ -33,21 +56,23 @@ pub(crate) struct Root {
     v: f64,
 }
 
-/// Where a ray meets two triangles.
+/// The crossings of a ray with two triangles.
 pub(crate) struct Crossings {
-    /// Which of the two it meets; the rest holds for these.
+    /// The triangles that the line of the ray crosses; the other fields are valid for these.
     pub(crate) exist: Mask,
     pub(crate) depth: F64x2,
-    /// The weights of the second and of the third corner.
+    /// The weight of the second corner.
     pub(crate) u: F64x2,
+    /// The weight of the third corner.
     pub(crate) v: F64x2,
 }
 
 impl Crossings {
-    /// From the images of the corners, in the order of each triangle.
+    /// Computes the crossings from the images of the corners, in the order of each triangle.
     #[inline(always)]
     pub(crate) fn of(p0: &Images, p1: &Images, p2: &Images) -> Self {
-        // The weight of each corner is the area that the ray spans with the opposite edge.
+        // In ray space the weight of a corner is the signed area of the origin and the opposite
+        // edge.
         let (w0, w1, w2) = (p1.areas(p2), p2.areas(p0), p0.areas(p1));
         let odd = p1.crosses(p2, w0).differs(p2.crosses(p0, w1)).differs(p0.crosses(p1, w2));
         let (zero, one) = (F64x2::splat(0.0), F64x2::splat(1.0));
@@ -62,7 +87,7 @@ impl Crossings {
 
 queries!(
     Triangle,
-    /// The crossing of the triangle with `t` in `t_min..=t_max`.
+    /// Returns the crossing of the triangle with `t` in `t_min..=t_max`, from either side.
 );
 
 impl Solve for Triangle {
@@ -71,7 +96,8 @@ impl Solve for Triangle {
     #[inline(always)]
     fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let space = RaySpace::new(ray);
-        // Not by a closure: it would be compiled without the instructions of the tree that calls this, and be called.
+        // No closure here: it would be compiled without the target features of the tree's kernel
+        // that inlines this function, and therefore stay a call.
         let p0 = space.project(&self.p0, &self.p0);
         let p1 = space.project(&self.p1, &self.p1);
         let p2 = space.project(&self.p2, &self.p2);
@@ -105,7 +131,7 @@ impl Triangle {
     #[inline]
     pub(crate) fn at(&self, u: f64, v: f64) -> DVec3 {
         let (p0, p1, p2) = (self.p0.as_dvec3(), self.p1.as_dvec3(), self.p2.as_dvec3());
-        // The rounded u + v may exceed 1; the point must not leave the triangle's box.
+        // The rounded u + v may exceed 1; the point must not leave the box of the triangle.
         (1.0 - u - v).max(0.0) * p0 + u * p1 + v * p2
     }
 
@@ -115,32 +141,33 @@ impl Triangle {
         (self.p1.as_dvec3() - p0).cross(self.p2.as_dvec3() - p0).normalize_or(DVec3::Z)
     }
 
-    /// A box that holds the triangle, and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the triangle and every position that [`Self::closest`] reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         Aabb::from_points([self.p0, self.p1, self.p2]).grown_by_rounding()
     }
 
-    /// The parameters of a hit: the weights of `p1` and `p2`.
+    /// Returns the surface parameters of a hit: the weights of `p1` and `p2`.
     #[must_use]
     #[inline]
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         hit.parameters
     }
 
-    /// The point `(1 - u - v) p0 + u p1 + v p2`.
+    /// Returns the point `(1 - u - v) p0 + u p1 + v p2`.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {
         round(self.at(f64::from(uv.x), f64::from(uv.y)))
     }
 
-    /// The unit normal, the same everywhere: the direction of `(p1 - p0) × (p2 - p0)`.
+    /// Returns the unit normal, the direction of `(p1 - p0) × (p2 - p0)`. It does not depend on
+    /// `uv`.
     #[must_use]
     pub fn normal(&self, _uv: Vec2) -> Vec3 {
         round(self.unit_normal())
     }
 
-    /// The derivatives of [`Self::position`] by `u` and by `v`: the edges at `p0`.
+    /// Returns the derivatives of [`Self::position`] by `u` and by `v`: the edges at `p0`.
     #[must_use]
     pub fn tangents(&self, _uv: Vec2) -> (Vec3, Vec3) {
         (self.p1 - self.p0, self.p2 - self.p0)

@@ -143,3 +143,70 @@ fn a_method_is_read_back_from_its_name() {
     }
     assert_eq!(format!("[{:>9}]", Method::Vanilla), "[  vanilla]");
 }
+
+/// Asserts that a shape with a NaN or an infinity in any one of its numbers is a miss.
+macro_rules! assert_misses {
+    ($shape:ident { $($field:ident),+ }, $set:ident) => {
+        let shape = $shape::default();
+        assert!(shape.any(&RAY), "{shape:?}");
+        $(
+            for wrong in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let mut shape = shape;
+                $set(&mut shape.$field, wrong);
+                assert_eq!(shape.closest(&RAY), None, "{shape:?}");
+                assert_eq!(shape.closest_t(&RAY), None, "{shape:?}");
+                assert!(!shape.any(&RAY), "{shape:?}");
+            }
+        )+
+    };
+}
+
+#[test]
+fn a_shape_with_a_number_that_is_not_finite_misses() {
+    for axis in 0..3 {
+        let set = |point: &mut Vec3, wrong| point[axis] = wrong;
+        assert_misses!(Sphere { center }, set);
+        assert_misses!(RoundedCone { p0, p1 }, set);
+        assert_misses!(BilinearPatch { p00, p10, p01, p11 }, set);
+        assert_misses!(Triangle { p0, p1, p2 }, set);
+        assert_misses!(Point { center }, set);
+        assert_misses!(Line { p0, p1 }, set);
+        assert_misses!(Quad { p0, p1, p2, p3 }, set);
+    }
+    let set = |radius: &mut f32, wrong| *radius = wrong;
+    assert_misses!(Sphere { radius }, set);
+    assert_misses!(RoundedCone { r0, r1 }, set);
+    for radius in [f32::NAN, f32::NEG_INFINITY] {
+        assert!(!Point { radius, ..Point::default() }.any(&RAY), "{radius}");
+        assert!(!Line { r0: radius, ..Line::default() }.any(&RAY), "{radius}");
+    }
+}
+
+#[test]
+fn a_ray_with_a_number_that_is_not_finite_misses() {
+    let shapes: [&dyn Primitive; 7] = [
+        &Sphere::default(),
+        &RoundedCone::default(),
+        &BilinearPatch::default(),
+        &Triangle::default(),
+        &Point::default(),
+        &Line::default(),
+        &Quad::default(),
+    ];
+    for axis in 0..3 {
+        for wrong in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let (mut origin, mut direction) = (RAY, RAY);
+            origin.origin[axis] = wrong;
+            direction.direction[axis] = wrong;
+            for (index, shape) in shapes.into_iter().enumerate() {
+                assert_eq!(shape.closest(&origin), None, "{index}: {origin:?}");
+                assert_eq!(shape.closest(&direction), None, "{index}: {direction:?}");
+            }
+        }
+    }
+    for (index, shape) in shapes.into_iter().enumerate() {
+        assert_eq!(shape.closest(&Ray { direction: Vec3::ZERO, ..RAY }), None, "{index}");
+        assert_eq!(shape.closest(&Ray { t_min: f32::NAN, ..RAY }), None, "{index}");
+        assert_eq!(shape.closest(&Ray { t_max: f32::NAN, ..RAY }), None, "{index}");
+    }
+}

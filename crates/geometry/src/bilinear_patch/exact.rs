@@ -1,9 +1,9 @@
 //! The exact evaluation of the bilinear patch, for the rays that its filter cannot decide.
 //!
-//! The general solution in `f64` comes first, then double-double. The letters and the derivation are those of
-//! `image.rs`. In double-double there is no need to exchange `u` and `v` where two roots nearly agree in `u` and
-//! differ in `v`: half of the digits of `u` are lost then, and `v` inherits the error, but half of 106 bits still
-//! are those of an `f64`.
+//! The general solution in `f64` comes first, then double-double. The letters and the derivation
+//! are those of `image.rs`. In double-double there is no need to exchange `u` and `v` where two
+//! roots nearly agree in `u` and differ in `v`: half of the digits of `u` are lost then, and `v`
+//! inherits the error, but half of 106 bits still are those of an `f64`.
 
 use super::BilinearPatch;
 use super::image::{PatchImage, Root, nearest};
@@ -11,15 +11,15 @@ use crate::Ray;
 use crate::double_double::{DoubleDouble, Real};
 use crate::filter::Filtered;
 
-/// `2⁻⁹⁶`. A ruling whose image is shorter than its square root, `2⁻⁴⁸`, of the patch is seen end-on: the place of
-/// a double root is known to no better.
+/// `2⁻⁹⁶`. A ruling whose image is shorter than its square root, `2⁻⁴⁸`, of the patch is seen
+/// end-on: the place of a double root is known to no better.
 const END_ON: f64 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
 
 /// The image of a vertex: `x`, `y`, and the depth.
 type Image = [DoubleDouble; 3];
 
-/// Returns the first crossing of any ray: also of one that meets the patch twice, or once near a fold or a
-/// corner, or for which 53 bits are too few.
+/// Returns the first crossing of any ray: also of one that meets the patch twice, or once near a
+/// fold or a corner, or for which 53 bits are too few.
 pub(super) fn solve(patch: &BilinearPatch, ray: &Ray) -> Option<Root<f32>> {
     let corners = [patch.p00, patch.p10, patch.p01, patch.p11];
     if !corners.iter().all(|p| p.is_finite()) {
@@ -35,8 +35,8 @@ pub(super) fn solve(patch: &BilinearPatch, ray: &Ray) -> Option<Root<f32>> {
     }
 }
 
-/// Returns the crossings in the square, projected along the last of the axes, whatever their `t`: one if `odd`,
-/// otherwise two or none.
+/// Returns the crossings in the square, projected along the last of the axes, whatever their `t`:
+/// one if `odd`, otherwise two or none.
 #[cold]
 #[inline(never)]
 fn solve_in_double_double(
@@ -90,11 +90,11 @@ fn solve_in_double_double(
         } else {
             (true, half)
         };
-        // Rulings that are parallel to the ray solve the equation too, wherever they are.
-        let beside = (p0[0] * p0[0] + p0[1] * p0[1]).nearest();
-        let passes_by = is_point && beside > END_ON * (size * size);
+        // Rulings parallel to the ray solve the equation too, at any distance from it.
+        let distance2 = (p0[0] * p0[0] + p0[1] * p0[1]).nearest();
+        let passes_by = is_point && distance2 > END_ON * (size * size);
         let t = (p0[2] + clamp(v) * ruling[2]) / dz;
-        // A parabola without curvature has its other root at infinity, or nowhere.
+        // A parabola without curvature has its second root at infinity, or none.
         let from_center = if raw.nearest().is_finite() && !passes_by {
             (raw - half).nearest().abs().max((v - half).nearest().abs())
         } else {
@@ -106,7 +106,8 @@ fn solve_in_double_double(
     });
     let [(first, first_off, first_in), (second, second_off, second_in)] = crossings;
     if odd {
-        // The one nearer to the centre is the one in the square, but for the rounding of the outline.
+        // The root nearer to the center is the one in the square, up to the rounding of the
+        // outline.
         return [Some(if first_off < second_off { first } else { second }), None];
     }
     if first_in && second_in { [Some(first), Some(second)] } else { [None, None] }
@@ -133,7 +134,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn rays_that_are_told_to_leave_a_patch_meet_it_behind_in_106_bits() {
+    fn a_ray_whose_root_is_behind_for_certain_misses_with_106_bits() {
         let mut random = Random(0x2545_F491_4F6C_DD1D);
         let (mut behind, mut count) = (0, 0);
         while count < 200_000 {

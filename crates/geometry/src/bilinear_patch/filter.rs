@@ -1,8 +1,9 @@
 //! The floating-point filter of the bilinear patch: the frequent rays, with one square root.
 //!
-//! A ray passes most patches once. Then the outline is odd and one of the two parabolas of `image.rs`, say `f`,
-//! has values of opposite sign at the ends of `0..=1`. It has one root in between, whose slope `σ` has the sign
-//! of the value at 1, and `D = (c + e - a)² - 4 c e` is a sum of non-negative terms: no digit of it cancels.
+//! A ray passes most patches once. Then the outline is odd and one of the two parabolas of
+//! `image.rs`, say `f`, has values of opposite sign at the ends of `0..=1`. It has one root in
+//! between, whose slope `σ` has the sign of the value at 1, and `D = (c + e - a)² - 4 c e` is a sum
+//! of non-negative terms: no digit of it cancels.
 
 use super::BilinearPatch;
 use super::image::{PatchImage, Root};
@@ -50,8 +51,8 @@ pub(super) fn filter(patch: &BilinearPatch, ray: &Ray) -> Filtered<Root<f32>> {
 
 /// Returns the first of two crossings, or a miss.
 ///
-/// The corners are finite here: with others [`PatchImage::may_have_two_roots`] is false, because infinities do
-/// not compare.
+/// The corners are finite here: with others [`PatchImage::may_have_two_roots`] is false, because
+/// infinities do not compare.
 #[cold]
 #[inline(never)]
 fn filter_folded(image: PatchImage, ray: &Ray) -> Filtered<Root<f32>> {

@@ -2,38 +2,42 @@
 //!
 //! # Derivation
 //!
-//! In ray space (`ray_space.rs`) the patch is a map `P` of the unit square to the plane, and the ray is the
-//! origin. The origin lies on the line through `P(u, 0)` and `P(u, 1)`, or on that through `P(0, v)` and
-//! `P(1, v)`, if
+//! In ray space (`ray_space.rs`) the patch is a map `P` of the unit square to the plane, and the
+//! ray is the origin. The origin lies on the line through `P(u, 0)` and `P(u, 1)`, or on that
+//! through `P(0, v)` and `P(1, v)`, if
 //!
 //! ```text
-//! f(u) = P(u,0) × P(u,1) = c + b u + a u² = 0    c = p00 × p01   e = p10 × p11   a = (p10-p00) × (p11-p01)
-//! g(v) = P(0,v) × P(1,v) = c'+ b'v + a'v² = 0    c'= p00 × p10   e'= p01 × p11   a'= (p01-p00) × (p11-p10)
+//! f(u) = P(u,0) × P(u,1) = c + b u + a u² = 0
+//! g(v) = P(0,v) × P(1,v) = c'+ b'v + a'v² = 0
+//!
+//! c  = p00 × p01     e  = p10 × p11     a  = (p10-p00) × (p11-p01)
+//! c' = p00 × p10     e' = p01 × p11     a' = (p01-p00) × (p11-p10)
 //! ```
 //!
-//! so `c`, `e = a + b + c`, `c'` and `e'` are the areas of the four edges. With `P_u`, `P_v` the derivatives,
-//! `f = P × P_v` and `g = P × P_u`: where `P = 0` the slopes are `f' = P_u × P_v = -g'`. So both parabolas have
-//! the same discriminant `D`, a root of `f` of slope `σ √D` goes with the root of `g` of slope `-σ √D`, and one
-//! square root gives both parameters, side by side.
+//! so `c`, `e = a + b + c`, `c'` and `e'` are the areas of the four edges. With `P_u`, `P_v` the
+//! derivatives, `f = P × P_v` and `g = P × P_u`: where `P = 0` the slopes are `f' = P_u × P_v =
+//! -g'`. So both parabolas have the same discriminant `D`, a root of `f` of slope `σ √D` goes with
+//! the root of `g` of slope `-σ √D`, and one square root gives both parameters, side by side.
 //!
 //! # Watertight edges
 //!
-//! No rounded root can decide whether it lies on this or that side of an edge so that the neighbour,
-//! whose corners come in another order, decides the opposite. The outline does: its winding number about
-//! the ray has the parity of the number of roots in the square, which is 0, 1 or 2. Whether an edge counts
-//! depends on its two vertices alone. Hence: odd means exactly one root, clamped to the square; even means two or
-//! none.
+//! No rounded root can decide whether it lies on this or that side of an edge so that the
+//! neighbour, whose corners come in another order, decides the opposite. The outline does: its
+//! winding number about the ray has the parity of the number of roots in the square, which is 0, 1
+//! or 2. Whether an edge counts depends on its two vertices alone. Hence: odd means exactly one
+//! root, clamped to the square; even means two or none.
 //!
 //! # Too few digits
 //!
-//! `√D` is also the area that a unit of the square has in the image. With images of size `s`, an `f64` knows
-//! the parabolas to some `2⁻⁵³ s²`, hence `u` and `v` to `2⁻⁵³ s² / √D`, and a depth, of corners as deep as `h`,
-//! to `h` times that. If this is a considerable part of a unit of `t`, which happens at folds, along a ruling, and
-//! next to the origin of the ray, `exact.rs` solves in double-double.
+//! `√D` is also the area that a unit of the square has in the image. With images of size `s`, an
+//! `f64` knows the parabolas to some `2⁻⁵³ s²`, hence `u` and `v` to `2⁻⁵³ s² / √D`, and a depth,
+//! of corners as deep as `h`, to `h` times that. If this is a considerable part of a unit of `t`,
+//! which happens at folds, along a ruling, and next to the origin of the ray, `exact.rs` solves in
+//! double-double.
 //!
-//! Sources: S. D. Ramsey, K. Potter, C. Hansen, "Ray Bilinear Patch Intersections", journal of graphics
-//! tools 9(3), 2004, for the quadratic in the plane; A. Reshetov, "Cool Patches", Ray Tracing Gems,
-//! chapter 8, 2019, for the choice of `a, b, c` and for the stable roots.
+//! Sources: S. D. Ramsey, K. Potter, C. Hansen, "Ray Bilinear Patch Intersections", journal of
+//! graphics tools 9(3), 2004, for the quadratic in the plane; A. Reshetov, "Cool Patches", Ray
+//! Tracing Gems, chapter 8, 2019, for the choice of `a, b, c` and for the stable roots.
 
 use super::BilinearPatch;
 use crate::Ray;
@@ -67,19 +71,21 @@ pub(super) struct PatchImage {
     size: f64,
 }
 
-/// The square of `2⁻²²`: if a discriminant keeps less than this share of its terms, `f64` has too few digits.
+/// The square of `2⁻²²`: if a discriminant keeps less than this share of its terms, `f64` has too
+/// few digits.
 ///
-/// At `2⁻²²`, a rounding of `2⁻⁵³` of the terms is `2⁻³¹` of the difference. An `f32` has 24 bits, so that
-/// rounding is about a hundredth of the one to `f32`.
+/// At `2⁻²²`, a rounding of `2⁻⁵³` of the terms is `2⁻³¹` of the difference. An `f32` has 24 bits,
+/// so that rounding is about a hundredth of the one to `f32`.
 const TOO_FEW_DIGITS: f64 = 1.0 / 17_592_186_044_416.0;
 
 /// If a root is nearer than this to an edge, double-double must decide whether it is in the square.
 ///
-/// Where `f64` has enough digits it is wrong by `2⁻³¹`; a distance of a thousand sizes costs ten bits of that.
+/// Where `f64` has enough digits it is wrong by `2⁻³¹`; a distance of a thousand sizes costs ten
+/// bits of that.
 const NEXT_TO_EDGE: f64 = 1.0 / 1_048_576.0;
 
-/// `2⁻⁸⁸`. A depth that keeps more than its square root, `2⁻⁴⁴`, of its terms has a certain sign: one rounding
-/// is `2⁻⁵³` of the terms, and there are fewer than a hundred.
+/// `2⁻⁸⁸`. A depth that keeps more than its square root, `2⁻⁴⁴`, of its terms has a certain sign:
+/// one rounding is `2⁻⁵³` of the terms, and there are fewer than a hundred.
 const CERTAIN_SIGN: f64 = 1.0 / 309_485_009_821_345_068_724_781_056.0;
 
 impl PatchImage {
@@ -125,7 +131,8 @@ impl PatchImage {
         (self.e - self.c) - self.a
     }
 
-    /// Returns `u` and `v` where `f` has the slope `root` times the sign of `sign`, and `g` the opposite one.
+    /// Returns `u` and `v` where `f` has the slope `root` times the sign of `sign`, and `g` the
+    /// opposite one.
     ///
     /// The root of slope `s` is `(s - b) / 2a`, or `-2c / (s + b)`: whichever sum does not cancel.
     #[inline(always)]
@@ -138,12 +145,13 @@ impl PatchImage {
         over / under
     }
 
-    /// Solves for both crossings with the whole surface, and returns the first one in the square and in the
-    /// interval of the ray.
+    /// Solves for both crossings with the whole surface, and returns the first one in the square
+    /// and in the interval of the ray.
     #[inline(always)]
     pub(super) fn solve_both(&self, ray: &Ray) -> Filtered<Root<f32>> {
         let (a, b, c) = (self.a, self.b(), self.c);
-        // Both parabolas have this discriminant; the one with the smaller terms has the smaller error.
+        // Both parabolas have this discriminant; the one with the smaller terms has the smaller
+        // error.
         let discriminants = b * b - F64x2::splat(4.0) * a * c;
         let smaller = b.first().abs() <= b.second().abs();
         let discriminant = if smaller { discriminants.first() } else { discriminants.second() };
@@ -169,7 +177,7 @@ impl PatchImage {
             return Filtered::Uncertain;
         }
         let found = if self.odd {
-            // One of them is in the square: the one nearer to its centre.
+            // One of them is in the square: the one nearer to its center.
             [Some(if first_off < second_off { first } else { second }), None]
         } else if (first_off <= 0.5) & (second_off <= 0.5) {
             [Some(first), Some(second)]
@@ -188,8 +196,8 @@ impl PatchImage {
         at_v.first() + u * (at_v.second() - at_v.first())
     }
 
-    /// Returns false if one of the parabolas cannot have two roots in `0..=1`; `ends` is `c e`, the product
-    /// of its values at 0 and 1.
+    /// Returns false if one of the parabolas cannot have two roots in `0..=1`; `ends` is `c e`, the
+    /// product of its values at 0 and 1.
     #[inline(always)]
     pub(super) fn may_have_two_roots(&self, ends: F64x2) -> bool {
         let zero = F64x2::splat(0.0);
@@ -198,7 +206,8 @@ impl PatchImage {
         zero.less(ends).and(comes_back).and(in_between).all()
     }
 
-    /// Returns whether 53 bits are too few at this root; the module's page derives it. False for a NaN.
+    /// Returns whether 53 bits are too few at this root; the module's page derives it. False for a
+    /// NaN.
     #[inline(always)]
     pub(super) fn too_few_digits(&self, discriminant: f64, depth: f64) -> bool {
         let depths = self.depths[0].abs() + self.depths[1].abs();
@@ -206,12 +215,13 @@ impl PatchImage {
         (depth * depth) * discriminant < TOO_FEW_DIGITS * (terms * terms)
     }
 
-    /// Returns whether this root certainly lies before the interval of the ray, whatever its last digits are.
-    /// A ray that leaves the patch has such a root where it left it.
+    /// Returns whether this root certainly lies before the interval of the ray, whatever its last
+    /// digits are. A ray that leaves the patch has such a root where it left it.
     ///
-    /// Seen from a point of the patch the depths are as small as the patch, and the images are differences that
-    /// may cancel; so the terms of the differences are counted and not the images. The second condition on
-    /// the discriminant ensures that `u` and `v` have certain digits at all.
+    /// Seen from a point of the patch the depths are as small as the patch, and the images are
+    /// differences that may cancel; so the terms of the differences are counted and not the images.
+    /// The second condition on the discriminant ensures that `u` and `v` have certain digits at
+    /// all.
     #[inline(always)]
     pub(super) fn is_behind(&self, ray: &Ray, discriminant: f64, depth: f64) -> bool {
         let depths = self.depths[0].abs() + self.depths[1].abs();
@@ -227,8 +237,8 @@ impl PatchImage {
     }
 }
 
-/// Returns the first root in the interval of the ray. Roots are compared in `f64`, because two of them may
-/// round to the same `f32`.
+/// Returns the first root in the interval of the ray. Roots are compared in `f64`, because two of
+/// them may round to the same `f32`.
 #[inline(always)]
 pub(super) fn nearest(ray: &Ray, [first, second]: [Option<Root>; 2]) -> Option<Root<f32>> {
     let ordered = match (first, second) {

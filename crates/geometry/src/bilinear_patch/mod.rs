@@ -1,7 +1,7 @@
 //! The bilinear patch: its definition and its points.
 //!
-//! `image.rs` derives the intersection with a ray, `filter.rs` is its floating-point filter and `exact.rs` its
-//! exact evaluation.
+//! `image.rs` derives the intersection with a ray, `filter.rs` is its floating-point filter and
+//! `exact.rs` its exact evaluation.
 
 mod exact;
 mod filter;
@@ -16,27 +16,34 @@ use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray, widen};
 use image::Root;
 
-/// The surface of all points `(1-u)(1-v) p00 + u(1-v) p10 + (1-u)v p01 + uv p11`, `u, v` in `0..=1`.
+/// The surface of all points `(1-u)(1-v) p00 + u(1-v) p10 + (1-u)v p01 + uv p11`, `u, v` in
+/// `0..=1`.
 ///
 /// # Accuracy
 ///
-/// `t` is the rounded root, but for rays that graze to `1e-9` or start on the patch: they lose up to
-/// `1e3 u t`, `u = 2⁻²⁴`. The position is within `1.0 u max(|p|, size)` of the surface always, and the
-/// normal within `2e-5` degrees, except at such grazing rays and next to a collapsed edge. A ray at an edge
-/// or a corner that several patches share hits one of them, in whatever order each lists its corners.
+/// `t` is the exact root, rounded; for rays that graze to `1e-9` or start on the patch, its error
+/// is up to `1e3 u t`, `u = 2⁻²⁴`. The position is always within `1.0 u max(|p|, size)` of the
+/// surface, and the normal within `2e-5` degrees, except for such grazing rays and next to a
+/// collapsed edge. A ray at an edge or a corner that several patches share hits exactly one of
+/// them, in whatever order each lists its corners.
 ///
 /// # Degenerate inputs
 ///
-/// Two corners may coincide: then it is a curved triangle, whose normal at that corner is the limit. A
-/// patch without area, and a flat patch seen edge-on, miss. Of a ruling seen end-on, which the ray shares
-/// with the surface, the middle counts.
+/// If two corners coincide, the patch is a curved triangle, and its normal at that corner is the
+/// limit. A patch without area, a flat patch seen edge-on, and one with a corner that is not finite
+/// miss. If the ray runs along a ruling, a straight line in the surface, the hit is the middle of
+/// the ruling.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
 /// use rotund_geometry::{BilinearPatch, Ray};
 ///
-/// let [p00, p10, p01, p11] = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [1.0, 1.0, 0.0]].map(Vec3::from);
-/// let saddle = BilinearPatch { p00, p10, p01, p11 };
+/// let saddle = BilinearPatch {
+///     p00: Vec3::new(0.0, 0.0, 0.0),
+///     p10: Vec3::new(1.0, 0.0, 0.5),
+///     p01: Vec3::new(0.0, 1.0, 0.5),
+///     p11: Vec3::new(1.0, 1.0, 0.0),
+/// };
 /// let hit = saddle.closest(&Ray::new(Vec3::new(0.5, 0.5, 3.0), Vec3::NEG_Z)).expect("a hit");
 /// assert_eq!(hit.position, Vec3::new(0.5, 0.5, 0.25));
 /// assert_eq!(saddle.position(saddle.uv(&hit)), hit.position);
@@ -63,7 +70,7 @@ impl Default for BilinearPatch {
 
 queries!(
     BilinearPatch,
-    /// The first crossing of the surface with `t` in `t_min..=t_max`.
+    /// Returns the first crossing of the surface with `t` in `t_min..=t_max`, from either side.
 );
 
 impl Solve for BilinearPatch {
@@ -100,7 +107,7 @@ impl Solve for BilinearPatch {
 }
 
 impl BilinearPatch {
-    /// The point, and the derivatives by `u` and by `v`.
+    /// Returns the point, and the derivatives by `u` and by `v`.
     #[inline(always)]
     fn at(&self, u: f64, v: f64) -> [DVec3; 3] {
         let (p00, p10) = widen::points(self.p00, self.p10);
@@ -123,7 +130,8 @@ impl BilinearPatch {
         }
     }
 
-    /// Where an edge is a point the derivatives do not span a plane, but their limit does.
+    /// Returns the limit of the normal at an edge that has collapsed to a point, where the
+    /// derivatives do not span a plane.
     #[cold]
     #[inline(never)]
     fn normal_of_collapsed(&self, u: f64, v: f64) -> DVec3 {
@@ -135,32 +143,32 @@ impl BilinearPatch {
         })
     }
 
-    /// A box that holds the patch, and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the patch and every position that [`Self::closest`] reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         Aabb::from_points([self.p00, self.p10, self.p01, self.p11]).grown_by_rounding()
     }
 
-    /// The parameters of a hit, `(u, v)`.
+    /// Returns the surface parameters of a hit, `(u, v)`.
     #[must_use]
     #[inline]
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         hit.parameters
     }
 
-    /// The point with parameters `(u, v)`.
+    /// Returns the point with parameters `(u, v)`.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {
         round(self.at(f64::from(uv.x), f64::from(uv.y))[0])
     }
 
-    /// The unit normal at [`Self::position`]: the direction of `du × dv`.
+    /// Returns the unit normal at [`Self::position`], the direction of `du × dv`.
     #[must_use]
     pub fn normal(&self, uv: Vec2) -> Vec3 {
         round(self.point_and_normal(f64::from(uv.x), f64::from(uv.y)).1)
     }
 
-    /// The derivatives of [`Self::position`] by `u` and by `v`.
+    /// Returns the derivatives of [`Self::position`] by `u` and by `v`.
     #[must_use]
     pub fn tangents(&self, uv: Vec2) -> (Vec3, Vec3) {
         let [_, du, dv] = self.at(f64::from(uv.x), f64::from(uv.y));

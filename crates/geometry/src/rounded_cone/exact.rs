@@ -1,7 +1,7 @@
-//! The rounded cone once more, for the rays that its common path gives up: entry and exit in every
-//! position, in whatever numbers it takes.
+//! The exact evaluation of the rounded cone, for the rays that its filter cannot decide.
 //!
-//! The letters and the derivation are those of `rounded_cone.rs`.
+//! It finds entry and exit in every position, in `f64` where that suffices and in double-double
+//! otherwise. The letters and the derivation are those of `mod.rs`.
 
 use glam::{DVec3, Vec3};
 
@@ -12,28 +12,29 @@ use crate::origin_side::{self, OriginSide};
 
 use super::RoundedCone;
 
-/// A crossing: `t`, the ball it belongs to, and the point seen from the centre of that ball.
+/// A crossing: `t`, the ball `s` that it belongs to, and the point relative to the center of that
+/// ball.
 pub(crate) struct Crossing {
     pub(crate) t: f32,
     pub(crate) s: f64,
     pub(crate) from_ball: DVec3,
 }
 
-/// The end of the part of a line that lies in the solid.
+/// An end of the part of a line that lies in the solid.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum End {
     Entry,
     Exit,
 }
 
-/// How an attempt ended.
+/// The result of solving in numbers of a given precision.
 enum Attempt {
     Found(Option<Crossing>),
-    /// These numbers have too few digits.
+    /// The numbers have too few digits.
     TooFewDigits,
 }
 
-/// The first crossing with `t` in the interval, with `f64` if they can tell.
+/// Returns the first crossing with `t` in the interval of the ray.
 pub(crate) fn solve(cone: &RoundedCone, ray: &Ray) -> Option<Crossing> {
     let ends: &[End] =
         match origin_side::of_rounded_cone([(cone.p0, cone.r0), (cone.p1, cone.r1)], ray) {
@@ -47,7 +48,7 @@ pub(crate) fn solve(cone: &RoundedCone, ray: &Ray) -> Option<Crossing> {
     }
 }
 
-/// The first crossing of some ends, with 106 bits.
+/// Returns the first of `ends` in the interval of the ray, computed with 106 bits.
 pub(crate) fn solve_in_double_double(
     cone: &RoundedCone,
     ray: &Ray,
@@ -59,8 +60,8 @@ pub(crate) fn solve_in_double_double(
     }
 }
 
-/// The first of `ends` that is in the interval. A difference that keeps less than the share `allowed` of its
-/// terms is refused.
+/// Returns the first of `ends` in the interval of the ray. If a difference keeps less than the
+/// share `allowed` of its terms, the numbers have too few digits.
 fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -> Attempt {
     let r = [R::exact(cone.r0), R::exact(cone.r1)];
     let rho = r[0] - r[1];
@@ -100,7 +101,8 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
     let mut before = f64::NEG_INFINITY;
     for end in ends {
         let entry = *end == End::Entry;
-        // Inside the cone from or to infinity: steeper than the cone, or along a cylinder.
+        // The line is inside the cone from or to infinity: it is steeper than the cone, or along a
+        // cylinder.
         let along = q == R::ZERO && k2 == R::ZERO;
         let endless = (k2 < R::ZERO && entry == (m * rho >= R::ZERO)) || along;
         if along && k0 > R::ZERO {
@@ -111,7 +113,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
         } else {
             Some(if entry == k1_positive || q == R::ZERO { q / k2 } else { k0 / q })
         };
-        // Where in the body, if anywhere, times `width`; the sign says which cap.
+        // The place in the body times `width`; a value outside `0..=width` selects a cap.
         let y = match theta {
             Some(theta) if theta.nearest().is_finite() => y0 + m * theta,
             Some(theta) => R::exact(if (m.nearest() > 0.0) == (theta.nearest() > 0.0) {
@@ -133,7 +135,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
             }
             (difference / a, y / width)
         } else if y < R::ZERO || y > width {
-            // The cap: the ball by itself.
+            // The cap, intersected as a sphere.
             let i = usize::from(y > width);
             let center = if i == 0 { f } else { sub(f, e) };
             let moment = cross(center, d);
@@ -158,7 +160,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
         } else {
             return Attempt::Found(None);
         };
-        // Of a cone that is longer than 106 bits can tell the exit may come out before the entry.
+        // If the cone is too long for 106 bits, the exit may come out before the entry.
         if t.nearest() < before {
             return Attempt::Found(None);
         }
@@ -195,7 +197,7 @@ mod tests {
     use crate::test_rays::{aimed, spawned};
 
     #[test]
-    fn rays_are_told_to_leave_a_cone_or_start_inside_as_106_bits_do() {
+    fn the_side_of_the_origin_of_a_ray_is_that_found_with_106_bits() {
         let mut random = Random(0xD1B5_4A32_D192_ED03);
         let mut known = [0, 0];
         let mut spawned_count = 0;

@@ -2,24 +2,25 @@
 //!
 //! # Derivation
 //!
-//! Put `p0` at the origin; `e = p1 - p0`, `L² = e·e`, `ρ = r0 - r1`, and `d2 = L² - ρ²`, which is
-//! positive unless one ball holds the other. The balls `|x - s e| = r0 - s ρ`, `0 <= s <= 1`, sweep the
-//! solid; they touch the cone that is tangent to both end balls. A point `x` of the cone belongs to
-//! the ball `s = y / d2`, with `y = x·e - r0 ρ`, so the body is the part with `0 <= y <= d2` and the
-//! caps lie on either side of these two planes.
+//! Let `p0` be the origin, `e = p1 - p0`, `L² = e·e`, `ρ = r0 - r1`, and `d2 = L² - ρ²`, which is
+//! positive unless one ball contains the other. The balls `|x - s e| = r0 - s ρ`, `0 <= s <= 1`,
+//! sweep the solid; they touch the cone that is tangent to both end balls. A point `x` of the cone
+//! belongs to the ball `s = y / d2`, with `y = x·e - r0 ρ`, so the body is the part with `0 <= y <=
+//! d2` and the caps lie on either side of these two planes.
 //!
-//! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant `k1² - k0 k2`
-//! has terms that grow with the fourth power of the distance. Let `w = f × d`, `g = d × e` and
-//! `w1 = w + g = (o - p1) × d`. Expanding it in these, everything that grows with the distance cancels
-//! in letters instead of in digits, and what is left is Lagrange's identity of the sphere, carried over
-//! to two balls:
+//! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant `k1² - k0
+//! k2` has terms that grow with the fourth power of the distance. Let `w = f × d`, `g = d × e` and
+//! `w1 = w + g = (o - p1) × d`. In these the terms that grow with the distance cancel symbolically,
+//! before any rounding, which generalises the use of Lagrange's identity for the sphere to two
+//! balls:
 //!
 //! ```text
 //! discriminant = d2 D        D = |r0 w1 - r1 w|² - (f·g)²
 //! ```
 //!
-//! where `f·g` is the volume that tells how far the line passes from the axis. The roots are counted
-//! from the point of the line closest to `p0`, in `θ = a (t - tc)`, `a = d·d`, `tc = -f·d / a`:
+//! where the volume `f·g` is proportional to the distance of the line from the axis. The roots are
+//! measured from the point of the line closest to `p0`, as `θ = a (t - tc)` with `a = d·d` and `tc
+//! = -f·d / a`:
 //!
 //! ```text
 //! k2 θ² + 2 K1 θ + K0 = 0      k2 = |g|² - ρ² a      K1 = -m Y      K0 = a d2 (|w|² - r0² a) - Y²
@@ -28,14 +29,16 @@
 //!
 //! # Which part is hit
 //!
-//! The solid lies inside its tangent cone, so a line that misses the cone misses the solid. The side on
-//! which the ray enters the cone (`y` below 0, within `0..=d2`, above `d2`) tells whether it enters the
-//! solid through the cap about `p0`, the body, or the cap about `p1`: the slab of the cone between the two
-//! planes is in the solid, hence a ray cannot cross it without having entered. The same holds for the exit.
-//! A line steeper than the cone (`k2 < 0`) comes from, or goes to, infinity inside the cone, on the side
-//! of the larger ball: there the cap of that ball decides.
+//! The solid lies inside its tangent cone, so a line that misses the cone misses the solid. The
+//! place at which the ray enters the cone (`y` below 0, within `0..=d2`, above `d2`) decides
+//! whether it enters the solid through the cap about `p0`, the body, or the cap about `p1`: the
+//! part of the cone between the two planes is in the solid, so a ray cannot cross it without having
+//! entered. The same holds for the exit. A line steeper than the cone (`k2 < 0`) comes from, or
+//! goes to, infinity inside the cone, on the side of the larger ball, and the cap of that ball
+//! decides.
 //!
-//! Source: I. Quilez, "Rounded cone intersection", 2018, for the quadratic (`k2`, `y`, `d2` are his).
+//! Source: I. Quilez, "Rounded cone intersection", 2018, for the quadratic (`k2`, `y`, `d2` are
+//! his).
 
 mod exact;
 mod profile;
@@ -50,18 +53,18 @@ use crate::{Aabb, Hit, Ray, Sphere, widen};
 use exact::Crossing;
 use profile::Profile;
 
-/// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`.
+/// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`: a tapered capsule.
 ///
 /// # Accuracy
 ///
-/// `t` is the rounded root; the position is within `1.0 u max(|p|, size)` of the surface, `u = 2⁻²⁴`, and
-/// the normal within `1e-5` degrees, for lengths up to a million radii.
+/// `t` is the exact root, rounded. The position is within `1.0 u max(|p|, size)` of the surface, `u
+/// = 2⁻²⁴`, and the normal within `1e-5` degrees, for lengths up to a million radii.
 ///
 /// # Degenerate inputs
 ///
-/// If one ball holds the other, or both are at one point, the shape is the larger ball. One radius may be
-/// zero: that end is a tip, whose normal is along the axis. Two radii of zero, or one that is negative or
-/// NaN, have no surface.
+/// If one ball contains the other, or both have the same center, the shape is the larger ball. One
+/// radius may be zero: that end is a tip, and its normal is along the axis. If both radii are zero,
+/// or one is negative or NaN, or a center is not finite, every ray misses.
 ///
 /// ```
 /// use rotund_geometry::glam::Vec3;
@@ -75,13 +78,13 @@ use profile::Profile;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoundedCone {
-    /// Centre of the first ball.
+    /// The center of the first ball.
     pub p0: Vec3,
-    /// Radius of the first ball; not negative, and one of the two positive.
+    /// The radius of the first ball; not negative, and one of the two is positive.
     pub r0: f32,
-    /// Centre of the second ball.
+    /// The center of the second ball.
     pub p1: Vec3,
-    /// Radius of the second ball.
+    /// The radius of the second ball.
     pub r1: f32,
 }
 
@@ -92,7 +95,8 @@ impl Default for RoundedCone {
     }
 }
 
-/// A crossing before it is rounded: the ball it belongs to, and the point seen from its centre.
+/// A crossing before rounding: the ball `s` that it belongs to, and the point relative to the
+/// center of that ball.
 pub(crate) struct Root {
     t: f32,
     s: f64,
@@ -102,13 +106,15 @@ pub(crate) struct Root {
 
 queries!(
     RoundedCone,
-    /// The first crossing of the surface with `t` in `t_min..=t_max`; from inside, that is the exit.
+    /// Returns the first crossing of the surface with `t` in `t_min..=t_max`.
+    ///
+    /// For a ray that starts inside, this is the exit.
 );
 
 impl Solve for RoundedCone {
     type Root = Root;
 
-    /// The entry, if the ray is outside; an exit is left to [`Self::solve_exactly`].
+    /// Finds the entry of a ray that starts outside; [`Self::solve_exactly`] finds exits.
     #[inline(always)]
     fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
@@ -147,8 +153,8 @@ impl Solve for RoundedCone {
             if k1.is_sign_positive() { (q, k2) } else { (width * (ww - square0) - y0 * y0, q) };
         let theta = over / under;
         let y = y0 + m * theta;
-        // No common case: a cone steeper than the line, a length of more than a million radii, and an
-        // origin more than 2²⁵ radii away, or fewer where the ray grazes.
+        // Rare cases are uncertain: a line steeper than the cone, a length of more than a million
+        // radii, and an origin more than 2²⁵ radii away, or nearer where the ray grazes.
         let thinnest = r0.min(r1);
         let slim = d2 > 1e12 * (thinnest * thinnest);
         let near = b * b * moment2 < FAR * (thinnest * thinnest) * a * discriminant;
@@ -158,8 +164,8 @@ impl Solve for RoundedCone {
         let (t64, from_ball, s, radius);
         if y >= 0.0 && y <= width {
             let difference = theta - b;
-            // Rounding moves `theta` by the share of `D` that is lost, of half the chord, and `b` by a
-            // share of its terms, which cancel where the ray starts beside `p0`.
+            // The rounding error of `theta` is half the chord times the lost share of `D`; that of
+            // `b` is a share of its terms, which cancel where the ray starts next to `p0`.
             let scale = spread * moment2 + f.abs().dot(d.abs()) * k2 * discriminant;
             if difference.abs() * k2 * discriminant < CANCELLATION * scale {
                 return Filtered::Uncertain;
@@ -198,7 +204,7 @@ impl Solve for RoundedCone {
         }
     }
 
-    /// Entry and exit in every case.
+    /// Finds the entry or the exit of any ray.
     #[cold]
     #[inline(never)]
     fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
@@ -209,7 +215,7 @@ impl Solve for RoundedCone {
         let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
         let normal = from_ball / radius;
         let square = normal.dot(normal);
-        // At a tip of radius zero there are many normals; the axis is one of them.
+        // A tip of radius zero has many normals; the axis is one of them.
         let normal = if (square - 1.0).abs() < 1e-9 {
             normal
         } else {
@@ -239,14 +245,14 @@ impl Solve for RoundedCone {
 }
 
 impl RoundedCone {
-    /// Whether one ball holds the other; false for a NaN.
+    /// Returns whether one ball contains the other; false for a NaN.
     fn is_one_ball(&self) -> bool {
         let e = self.p1.as_dvec3() - self.p0.as_dvec3();
         let rho = f64::from(self.r0) - f64::from(self.r1);
         e.dot(e) - rho * rho <= 0.0
     }
 
-    /// One ball holds the other.
+    /// Solves for the larger ball, where it contains the other.
     fn solve_larger_ball(&self, ray: &Ray) -> Option<Root> {
         let [first, second] = [(self.p0, self.r0), (self.p1, self.r1)]
             .map(|(center, radius)| Sphere { center, radius });
@@ -262,7 +268,7 @@ impl RoundedCone {
         Some(Root { t: root.t, s, from_ball: root.from_center, normal: root.normal })
     }
 
-    /// A box that holds the shape, and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the shape and every position that [`Self::closest`] reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let (r0, r1) = (Vec3::splat(self.r0), Vec3::splat(self.r1));
@@ -270,35 +276,41 @@ impl RoundedCone {
             .grown_by_rounding()
     }
 
-    /// The parameters of a hit: along the profile and around the axis, see [`Self::position`].
+    /// Returns the surface parameters of a hit: along the profile and around the axis, see
+    /// [`Self::position`].
     #[must_use]
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         Profile::new(self).uv(f64::from(hit.parameters.x), hit.normal.as_dvec3())
     }
 
-    /// The point at the fraction `u` of the profile, and at the angle `2 pi v` around the axis.
+    /// Returns the point at the fraction `u` of the profile, and at the angle `2 pi v` around the
+    /// axis.
     ///
-    /// The profile runs, at constant speed, from the pole of the ball about `p0` over the cap, the body
-    /// and the other cap to the pole about `p1`.
+    /// The profile is parametrised by arc length. It runs from the pole of the cap about `p0` over
+    /// this cap, the body and the other cap to the pole about `p1`.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {
         round(Profile::new(self).position(uv))
     }
 
-    /// The ball that touches the surface at [`Self::position`]: 0 about `p0`, 1 about `p1`, and between
-    /// them in proportion. What varies between the ends of a tube is interpolated by it.
+    /// Returns the place on the axis that belongs to [`Self::position`]: the center of the ball
+    /// that touches the surface there is `p0` at 0, `p1` at 1, and linearly interpolated in
+    /// between.
+    ///
+    /// Interpolate values given at the two ends, such as colors, by it.
     #[must_use]
     pub fn along_axis(&self, uv: Vec2) -> f32 {
         Profile::new(self).ball(uv) as f32
     }
 
-    /// The outward unit normal at [`Self::position`].
+    /// Returns the outward unit normal at [`Self::position`].
     #[must_use]
     pub fn normal(&self, uv: Vec2) -> Vec3 {
         round(Profile::new(self).normal(uv))
     }
 
-    /// The derivatives of [`Self::position`] by `u` and by `v`. The second is zero at the poles.
+    /// Returns the derivatives of [`Self::position`] by `u` and by `v`. The second is zero at the
+    /// poles.
     #[must_use]
     pub fn tangents(&self, uv: Vec2) -> (Vec3, Vec3) {
         let (du, dv) = Profile::new(self).tangents(uv);

@@ -1,4 +1,4 @@
-//! The parametrisation of the rounded cone: along its profile, and around its axis.
+//! The parametrisation of the rounded cone by its profile and the angle around its axis.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,20 +10,24 @@ use crate::libm_functions::Functions as _;
 
 use super::RoundedCone;
 
-/// The curve that sweeps the surface when it turns about the axis, and the frame it turns in.
+/// The profile, whose rotation about the axis sweeps the surface, and the frame of the rotation.
 ///
-/// An arc of radius `r0` from the pole to the tangent circle, the straight body, an arc of radius `r1`.
+/// The profile is an arc of radius `r0` from the pole to the tangent circle, the straight body, and
+/// an arc of radius `r1`.
 pub(crate) struct Profile {
     p0: DVec3,
     p1: DVec3,
     r0: f64,
     r1: f64,
-    /// Unit vector from `p0` to `p1`, and two across.
+    /// The unit vector from `p0` to `p1`.
     axis: DVec3,
+    /// With `y`, the plane perpendicular to the axis.
     x: DVec3,
     y: DVec3,
-    /// Angle of the body's normal above the plane across the axis: `sin = (r0 - r1) / L`.
+    /// The angle between the normal of the body and the plane perpendicular to the axis: its sine
+    /// is `(r0 - r1) / L`.
     tilt: f64,
+    /// The length of the first arc, then of the body, then of the whole profile.
     arc0: f64,
     body: f64,
     length: f64,
@@ -45,7 +49,7 @@ impl Profile {
         let (x, y) = across(axis);
         let rho = r0 - r1;
         let body = (e.dot(e) - rho * rho).max(0.0).sqrt();
-        // The larger ball alone if it holds the other; then its arc is half a turn.
+        // If one ball contains the other, the profile is half a turn about the larger ball.
         let tilt = if body > 0.0 { rho.atan2(body) } else { FRAC_PI_2.copysign(rho) };
         let arc0 = r0 * (FRAC_PI_2 + tilt);
         let arc1 = r1 * (FRAC_PI_2 - tilt);
@@ -90,20 +94,21 @@ impl Profile {
         center + radius * self.normal_at(&place, f64::from(uv.y))
     }
 
-    /// The derivatives of the position by `u` and `v`.
+    /// Returns the derivatives of the position by `u` and `v`.
     pub(crate) fn tangents(&self, uv: Vec2) -> (DVec3, DVec3) {
         let place = self.place(f64::from(uv.x));
         let (sin, cos) = place.angle.sin_cos();
         let (sin_v, cos_v) = (TAU * f64::from(uv.y)).sin_cos();
         let radius = self.r0 + place.s * (self.r1 - self.r0);
         let outward = cos_v * self.x + sin_v * self.y;
-        // Along the profile the unit tangent is the normal turned by a right angle, on caps and body.
+        // On caps and body the unit tangent along the profile is the normal rotated by a right
+        // angle.
         let du = self.length * (cos * outward + sin * self.axis);
         let dv = TAU * radius * sin * (cos_v * self.y - sin_v * self.x);
         (du, dv)
     }
 
-    /// From the ball of a hit and its normal.
+    /// Computes the parameters from the ball of a hit and its normal.
     pub(crate) fn uv(&self, s: f64, normal: DVec3) -> Vec2 {
         let (nx, ny, nz) = (normal.dot(self.x), normal.dot(self.y), normal.dot(self.axis));
         let across = nx.hypot(ny);

@@ -1,4 +1,4 @@
-//! A line as a ribbon that faces every ray.
+//! The vanilla line: a ribbon that faces every ray.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -8,22 +8,40 @@ use crate::float::{round, rounding_error};
 use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray, widen};
 
-/// A segment that a ray hits where the two come closest, if that is within the radius there.
+/// A segment that a ray hits at the closest approach of both, if their distance there is within the
+/// radius.
 ///
-/// "Closest" is between two whole lines. Where that point of the segment's line is beyond an end, the end
-/// takes its place but the point of the ray stays, as in yocto-gl. A ribbon so ends in a cap that is
-/// round seen from the side and shrinks as the ray turns along the axis, and a ray from one segment of a
-/// chain does not meet the cap of the next.
+/// The closest approach is that of two infinite lines. If its point on the line of the segment lies
+/// beyond an end, it is replaced by that end while the point on the ray is kept, as in yocto-gl. So
+/// a ribbon ends in a cap that is round seen from the side and shrinks as the ray turns towards the
+/// axis, and a ray from one segment of a chain does not hit the cap of the next.
+///
+/// # Accuracy and degenerate inputs
+///
+/// `t` is computed in `f64` and rounded once. A ray parallel to the segment misses, and so does a
+/// ray that starts on the segment within rounding, as one from [`Hit::spawn`] does. Two equal ends,
+/// and a radius that is not positive at the closest approach, miss too.
+///
+/// ```
+/// use rotund_geometry::glam::{Vec2, Vec3};
+/// use rotund_geometry::{Ray, vanilla::Line};
+///
+/// let line = Line { p0: Vec3::ZERO, r0: 0.25, p1: 2.0 * Vec3::X, r1: 0.25 };
+/// let ray = Ray::new(Vec3::new(0.5, 0.125, 3.0), Vec3::NEG_Z);
+/// let hit = line.closest(&ray).expect("within 0.25");
+/// assert_eq!((hit.t, hit.position, hit.normal), (3.0, 0.5 * Vec3::X, Vec3::Z));
+/// assert_eq!(line.uv(&hit), Vec2::new(0.25, 0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Line {
     /// The first end.
     pub p0: Vec3,
-    /// How near a ray must pass at the first end.
+    /// The radius at the first end.
     pub r0: f32,
     /// The second end.
     pub p1: Vec3,
-    /// How near a ray must pass at the second end.
+    /// The radius at the second end.
     pub r1: f32,
 }
 
@@ -44,12 +62,11 @@ pub(crate) struct Root {
 
 queries!(
     Line,
-    /// Where the ray's line comes closest to the segment's line, if that has `t` in `t_min..=t_max` and
-    /// the segment lies within the radius, interpolated along it.
+    /// Returns the closest approach of the lines, if its `t` is in `t_min..=t_max` and its distance
+    /// within the radius, which is interpolated along the segment.
     ///
-    /// `parameters` is `(s, d / r)`: the place on the segment, and the distance over the radius there.
-    /// The position of the hit is the point of the segment; the normal faces the ray, across the segment.
-    /// A ray parallel to the segment misses.
+    /// The position of the hit is the point on the segment. The normal faces the ray, perpendicular
+    /// to the segment.
 );
 
 impl Solve for Line {
@@ -63,11 +80,11 @@ impl Solve for Line {
         let g = d.cross(e);
         let determinant = g.dot(g);
         let over = determinant.recip();
-        // Closest points of two lines; then the segment ends. A NaN stays one.
+        // The closest points of two lines, clamped to the segment. A NaN stays a NaN.
         let s = (f.cross(d).dot(g) * over).clamp(0.0, 1.0);
         let turned = f.cross(e);
         let t = turned.dot(g) * over;
-        // From the point of the ray to the point of the segment.
+        // The vector from the point on the ray to the point on the segment.
         let x = f + s * e - t * d;
         let distance2 = x.dot(x);
         let r = r0 + s * (r1 - r0);
@@ -76,7 +93,7 @@ impl Solve for Line {
             return Filtered::Miss;
         }
         let Some(t) = ray.accept(t) else { return Filtered::Miss };
-        // A ray that has just left the segment comes closest near its start: see `Point`.
+        // A ray that leaves the segment has its closest approach near its start: see `Point`.
         let start = 4.0 * f64::from(rounding_error(self.p0.abs().max(self.p1.abs())));
         let (along, length2) = (-f.dot(e), e.dot(e));
         let from_start = if along <= 0.0 {
@@ -103,7 +120,7 @@ impl Solve for Line {
         let (_, d) = widen::ray(ray);
         let axis = p1 - p0;
         let position = round(p0 + s * axis);
-        // Across the segment, in the plane of both: e (e·d) - d (e·e).
+        // Perpendicular to the segment, in the plane of both: e (e·d) - d (e·e).
         let normal = d.cross(axis).cross(axis);
         let square = normal.dot(normal);
         Hit {
@@ -123,26 +140,29 @@ impl Line {
         p0 + s * (self.p1.as_dvec3() - p0)
     }
 
-    /// A box that holds every closest approach that counts.
+    /// Returns a box that contains the ribbon from every side: that of the rounded cone.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         crate::RoundedCone { p0: self.p0, r0: self.r0, p1: self.p1, r1: self.r1 }.bounds()
     }
 
-    /// The parameters of a hit: `(s, d / r)`.
+    /// Returns the parameters of a hit: the fraction of the segment, and the distance of the ray
+    /// from it over the radius there.
     #[must_use]
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         hit.parameters
     }
 
-    /// The point of the segment at `uv.x`.
+    /// Returns the point at the fraction `uv.x` of the segment.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {
         round(self.at(f64::from(uv.x)))
     }
 
-    /// A line has no normal of its own: this is its unit tangent, from which a renderer makes one that
-    /// faces the viewer, as yocto-gl does. That of a hit faces the ray.
+    /// Returns the unit tangent, since a line has no normal of its own.
+    ///
+    /// A renderer derives from it a normal that faces the viewer, as yocto-gl does. The normal of a
+    /// hit faces the ray.
     #[must_use]
     pub fn normal(&self, _uv: Vec2) -> Vec3 {
         round((self.p1.as_dvec3() - self.p0.as_dvec3()).normalize_or(DVec3::Z))

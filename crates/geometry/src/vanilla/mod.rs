@@ -1,17 +1,24 @@
-//! The usual approximations of points, lines and quads, as yocto-gl and many others draw them.
+//! The usual approximations of points, lines and quads, as yocto-gl and many other renderers define
+//! them.
 //!
-//! | shape | is | in place of | what it costs |
-//! | --- | --- | --- | --- |
-//! | [`Point`] | a disc that faces every ray | [`Sphere`](crate::Sphere) | `t` is off by up to the radius, no normal, nothing to refract |
-//! | [`Line`] | a ribbon that faces every ray | [`RoundedCone`](crate::RoundedCone) | the same, and no caps: rays along the axis pass |
-//! | [`Quad`] | two triangles | [`BilinearPatch`](crate::BilinearPatch) | another surface wherever the quad is not flat |
+//! | shape | definition | approximates |
+//! | --- | --- | --- |
+//! | [`Point`] | a disc that faces every ray | [`Sphere`](crate::Sphere) |
+//! | [`Line`] | a ribbon that faces every ray | [`RoundedCone`](crate::RoundedCone) |
+//! | [`Quad`] | two triangles | [`BilinearPatch`](crate::BilinearPatch) |
 //!
-//! They are approximations of the round shapes, not of themselves: the definitions on their pages are
-//! evaluated in `f64` too, so that a comparison with the round shapes shows the shapes and not the rounding,
-//! and the triangles of a quad are as watertight as patches. Beside the plain `f32` forms, a point costs the same, a
-//! quad 0.7 times Möller and Trumbore's triangles on rays that the processor has not seen before (1.3 times
-//! on rays that come again and again), and a line up to 1.5 times: its cross products, which do not cancel where the
-//! ray is far away, take twice the multiplications of the plain form's dot products.
+//! The `t` of a point or a line differs from that of the round shape by up to the radius, and
+//! neither has normals of a solid or an inside that could refract light. A line has no caps: rays
+//! along its axis miss. A quad is another surface than the patch wherever its corners are not in a
+//! plane.
+//!
+//! These shapes, too, are computed in `f64`, so that a comparison with the round shapes shows the
+//! difference between the shapes and not that between roundings, and the triangles of a quad are as
+//! watertight as patches. Relative to the plain `f32` forms, a point costs the same. A quad costs
+//! 0.7 times as much as Möller and Trumbore's triangles if the processor has not seen the rays
+//! before, and 1.3 times if the rays repeat. A line costs up to 1.5 times as much: its cross
+//! products, which do not cancel for distant rays, take twice the multiplications of the dot
+//! products of the plain form.
 //!
 //! Source: F. Pellacini, G. Nazzaro, E. Carra, "Yocto/GL", 2019.
 

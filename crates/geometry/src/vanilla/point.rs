@@ -1,4 +1,4 @@
-//! A point as a disc that faces every ray.
+//! The vanilla point: a disc that faces every ray.
 
 use glam::{Vec2, Vec3};
 
@@ -6,13 +6,28 @@ use crate::filter::{Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
 use crate::{Aabb, Hit, Ray, widen};
 
-/// A point that a ray hits where it comes closest, if that is within `radius`.
+/// A point that a ray hits at its closest approach, if that is within `radius`.
+///
+/// # Accuracy and degenerate inputs
+///
+/// `t` is computed in `f64` and rounded once. A ray that starts at the point within rounding, as
+/// one from [`Hit::spawn`] does, misses, and so does every ray if the radius is not positive.
+///
+/// ```
+/// use rotund_geometry::glam::Vec3;
+/// use rotund_geometry::{Ray, vanilla::Point};
+///
+/// let point = Point { center: Vec3::ZERO, radius: 1.0 };
+/// let hit = point.closest(&Ray::new(Vec3::new(0.5, 0.0, 3.0), Vec3::NEG_Z)).expect("within 1");
+/// assert_eq!((hit.t, hit.position, hit.normal), (3.0, Vec3::ZERO, Vec3::Z));
+/// assert!(!point.any(&Ray::new(Vec3::new(1.5, 0.0, 3.0), Vec3::NEG_Z)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
-    /// The point.
+    /// The point itself.
     pub center: Vec3,
-    /// How near a ray must pass; positive.
+    /// The largest distance at which a ray hits; positive.
     pub radius: f32,
 }
 
@@ -25,7 +40,7 @@ impl Default for Point {
 
 queries!(
     Point,
-    /// The closest approach, if it has `t` in `t_min..=t_max` and lies within `radius` of the point.
+    /// Returns the closest approach, if its `t` is in `t_min..=t_max` and it lies within `radius`.
     ///
     /// The position of the hit is the point itself, and the normal faces the ray.
 );
@@ -44,8 +59,8 @@ impl Solve for Point {
         if !(w.dot(w) <= a * r * r && r > 0.0) {
             return Filtered::Miss;
         }
-        // A ray that has just left the point comes closest where it starts: rounding decides on which
-        // side. It must not hit the point again.
+        // A ray that leaves the point has its closest approach at its start, before or behind it by
+        // rounding. It must not hit the point again.
         let start = 4.0 * f64::from(rounding_error(self.center));
         if f.dot(f) <= start * start {
             return Filtered::Miss;
@@ -72,25 +87,26 @@ impl Solve for Point {
 }
 
 impl Point {
-    /// A box that holds every closest approach that counts.
+    /// Returns a box that contains the disc from every side: that of the sphere.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         crate::Sphere { center: self.center, radius: self.radius }.bounds()
     }
 
-    /// The parameters of a hit: a point has none.
+    /// Returns zero, since a point has no parameters.
     #[must_use]
     pub fn uv(&self, _hit: &Hit) -> Vec2 {
         Vec2::ZERO
     }
 
-    /// The point itself.
+    /// Returns the point itself.
     #[must_use]
     pub fn position(&self, _uv: Vec2) -> Vec3 {
         self.center
     }
 
-    /// A point has no normal of its own: this is `+z`, as in yocto-gl. That of a hit faces the ray.
+    /// Returns `+z`, as yocto-gl does, since a point has no normal of its own. The normal of a hit
+    /// faces the ray.
     #[must_use]
     pub fn normal(&self, _uv: Vec2) -> Vec3 {
         Vec3::Z

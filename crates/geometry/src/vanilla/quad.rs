@@ -1,4 +1,4 @@
-//! A quad as two triangles.
+//! The vanilla quad: two triangles.
 
 use glam::{Vec2, Vec3};
 
@@ -9,6 +9,21 @@ use crate::triangle::Crossings;
 use crate::{Aabb, Hit, Ray, Triangle};
 
 /// The triangles `p0 p1 p3` and `p2 p3 p1`, which share the diagonal `p1 p3`.
+///
+/// # Accuracy and degenerate inputs
+///
+/// Both are those of [`Triangle`]. If `p2` and `p3` coincide, the quad is the first triangle. If a
+/// corner is not finite, every ray misses.
+///
+/// ```
+/// use rotund_geometry::glam::{Vec2, Vec3};
+/// use rotund_geometry::{Ray, vanilla::Quad};
+///
+/// let [p0, p1, p2] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.5)];
+/// let quad = Quad { p0, p1, p2, p3: Vec3::Y };
+/// let hit = quad.closest(&Ray::new(Vec3::new(0.75, 0.75, 3.0), Vec3::NEG_Z)).expect("a hit");
+/// assert_eq!((hit.t, quad.uv(&hit)), (2.75, Vec2::splat(0.75)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quad {
@@ -33,13 +48,13 @@ pub(crate) struct Root {
     t: f32,
     u: f64,
     v: f64,
-    /// Whether the second triangle is hit.
+    /// Whether the second triangle is the one that is hit.
     second: bool,
 }
 
 queries!(
     Quad,
-    /// The first crossing with `t` in `t_min..=t_max`.
+    /// Returns the first crossing with `t` in `t_min..=t_max`, from either side.
 );
 
 impl Solve for Quad {
@@ -48,7 +63,7 @@ impl Solve for Quad {
     #[inline(always)]
     fn filter(&self, ray: &Ray) -> Filtered<Root> {
         let space = RaySpace::new(ray);
-        // Of the first triangle, and of the second.
+        // The first lane is for the first triangle, the second lane for the second one.
         let (p0, p1) = (space.project(&self.p0, &self.p2), space.project(&self.p1, &self.p3));
         let Crossings { exist, depth, u, v } = Crossings::of(&p0, &p1, &p1.swapped());
         let exist = exist.bits();
@@ -94,27 +109,29 @@ impl Quad {
         Triangle { p0: self.p2, p1: self.p3, p2: self.p1 }
     }
 
-    /// The triangles would each ignore a corner of the other.
+    /// Returns whether all four corners are finite; each triangle by itself would ignore one of
+    /// them.
     #[inline]
     fn is_finite(&self) -> bool {
-        // An infinity times zero is a NaN, and so is all that it is added to.
+        // An infinity times zero is a NaN, and so is every sum with it.
         let sum = (self.p0 + self.p1 * 0.0) * 0.0 + (self.p2 * 0.0 + self.p3 * 0.0);
         sum == Vec3::ZERO
     }
 
-    /// A box that holds both triangles, and every position that [`Self::closest`] reports.
+    /// Returns a box that contains both triangles and every position that [`Self::closest`]
+    /// reports.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.first().bounds().union(self.second().bounds())
     }
 
-    /// The parameters of a hit, those of the quad: the second triangle has `u + v > 1`.
+    /// Returns the parameters of a hit on the quad; `u + v > 1` on the second triangle.
     #[must_use]
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         hit.parameters
     }
 
-    /// The point with parameters `(u, v)`.
+    /// Returns the point with parameters `(u, v)`.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {
         if uv.x + uv.y <= 1.0 {
@@ -124,7 +141,7 @@ impl Quad {
         }
     }
 
-    /// The unit normal of the triangle that holds `(u, v)`.
+    /// Returns the unit normal of the triangle that contains `(u, v)`.
     #[must_use]
     pub fn normal(&self, uv: Vec2) -> Vec3 {
         if uv.x + uv.y <= 1.0 { self.first().normal(uv) } else { self.second().normal(uv) }
