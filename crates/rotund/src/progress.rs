@@ -3,6 +3,7 @@
 #![expect(clippy::print_stderr, reason = "progress is for the person, not for a pipe")]
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rotund_trace::Progress;
 use std::io::{IsTerminal as _, stderr};
 use std::time::Duration;
 
@@ -12,6 +13,8 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 const TERMINAL_COLUMNS: usize = 80;
 /// Letters of a label that are shown.
 const LONGEST_LABEL: usize = 16;
+/// Steps of the bar.
+const STEPS: u64 = 1000;
 /// Longest text of rate and time: `999.99 Mrays/s, 99 h 59 min left`.
 const LONGEST_STATE: usize = 33;
 
@@ -29,12 +32,12 @@ impl Meter {
         Self { label: label.to_owned(), samples, bar, next_line: LINE_EVERY }
     }
 
-    /// Shows that `done` samples of each pixel and `rays` rays were traced in `elapsed`.
-    pub(crate) fn update(&mut self, done: u32, rays: u64, elapsed: Duration) {
-        let state = state(done, self.samples, rays, elapsed);
+    /// Shows the state of a render.
+    pub(crate) fn update(&mut self, progress: &Progress<'_>) {
+        let (done, elapsed) = (progress.film.samples(), progress.elapsed);
+        let state = state(progress.fraction(), progress.rays, elapsed);
         if let Some(bar) = &self.bar {
-            bar.set_position(u64::from(done));
-            bar.set_message(state);
+            show(bar, done, self.samples, progress.fraction(), &state);
         } else if elapsed >= self.next_line && done < self.samples {
             self.next_line = elapsed + LINE_EVERY;
             eprintln!("{}: {done} of {} samples, {state}", self.label, self.samples);
@@ -53,21 +56,24 @@ impl Meter {
 fn bar(label: &str, samples: u32, target: ProgressDrawTarget) -> ProgressBar {
     let label: String = label.chars().take(LONGEST_LABEL).collect();
     let counts = 2 * samples.to_string().len() + "/".len();
-    let text = label.chars().count() + " [] ".len() + counts + " samples, ".len() + LONGEST_STATE;
-    // A long label and a count of many digits leave no room, so the unit gives way to the bar.
-    let (unit, room) = match TERMINAL_COLUMNS.saturating_sub(text) {
-        room @ ..8 => ("", room + " samples".len()),
-        room => (" samples", room),
-    };
-    let style = format!("{{prefix}} [{{bar:{}}}] {{pos}}/{{len}}{unit}, {{msg}}", room.min(32));
-    let style = ProgressStyle::with_template(&style).expect("a template that indicatif reads");
-    let bar = ProgressBar::with_draw_target(Some(u64::from(samples)), target);
+    let text = label.chars().count() + " [] ".len() + counts + ", ".len() + LONGEST_STATE;
+    let room = TERMINAL_COLUMNS.saturating_sub(text);
+    let template = format!("{{prefix}} [{{bar:{}}}] {{msg}}", room.min(32));
+    let style = ProgressStyle::with_template(&template).expect("a template that indicatif reads");
+    let bar = ProgressBar::with_draw_target(Some(STEPS), target);
     bar.with_style(style.progress_chars("=> ")).with_prefix(label)
 }
 
-fn state(done: u32, samples: u32, rays: u64, elapsed: Duration) -> String {
+/// Moves the bar. It follows the fraction, which grows within the first sample too.
+fn show(bar: &ProgressBar, done: u32, samples: u32, fraction: f64, state: &str) {
+    bar.set_message(format!("{done}/{samples}, {state}"));
+    bar.set_position((fraction * STEPS as f64) as u64);
+}
+
+/// Writes the rate and the remaining time, if this fraction of the work took so long.
+fn state(fraction: f64, rays: u64, elapsed: Duration) -> String {
     let seconds = elapsed.as_secs_f64();
-    let left = seconds * f64::from(samples.saturating_sub(done)) / f64::from(done.max(1));
+    let left = seconds * (1.0 / fraction.max(1e-9) - 1.0);
     let rate = rays as f64 / seconds.max(1e-9);
     format!("{}, {} left", rays_per_second(rate), time(left))
 }
@@ -172,9 +178,9 @@ mod tests {
             let terminal = Recorder::default();
             let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
             let bar = bar(label, samples, target);
-            bar.set_position(done);
             let rays = (999.99e6 * elapsed.as_secs_f64()) as u64;
-            bar.set_message(state(done as u32, samples, rays, elapsed));
+            let fraction = f64::from(done) / f64::from(samples);
+            show(&bar, done, samples, fraction, &state(fraction, rays, elapsed));
             bar.tick();
             let lines = terminal.0.lock().expect("no panic").clone();
             let line = lines.iter().max_by_key(|line| line.len()).expect("it draws");
