@@ -1,7 +1,7 @@
 //! Where rays meet scenes.
 
 use glam::{Vec2, Vec3};
-use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
+use rotund_geometry::{Hit, Ray};
 
 /// Where a ray meets a scene, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ impl SceneHit {
     #[must_use]
     #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {
-        Ray::new(leave_surface(self.position, self.error, self.normal, direction), direction)
+        self.plain().spawn(direction)
     }
 
     /// The ray from this point towards `point`, which is at `t = 1`, to find out whether anything is in
@@ -55,7 +55,13 @@ impl SceneHit {
     #[must_use]
     #[inline]
     pub fn spawn_to(&self, point: Vec3) -> Ray {
-        let origin = leave_surface(self.position, self.error, self.normal, point - self.position);
-        Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, point - origin) }
+        self.plain().spawn_to(point)
+    }
+
+    /// The same point, of whatever primitive.
+    #[inline]
+    fn plain(&self) -> Hit {
+        let Self { t, position, error, normal, uv, .. } = *self;
+        Hit { t, position, error, normal, parameters: uv }
     }
 }

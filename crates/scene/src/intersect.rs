@@ -1,19 +1,20 @@
 //! Rays through a scene: a tree over instances, and under each a tree over the elements of its shape.
 
 use crate::{
-    ElementKind, Elements, Instance, Method, Scene, SceneError, SceneHit, Shape, frame::Frame,
+    Scene, SceneError, SceneHit,
+    placement::{Placement, Placements},
+    shape_tree::ShapeTree,
+    validate::item,
 };
-use glam::Affine3A;
 use rayon::prelude::*;
-use rotund_bvh::{
-    Bvh, ConeTree, Isa, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree,
-};
-use rotund_geometry::{Aabb, Hit, Ray};
+use rotund_bvh::{Bvh, Isa, PrimitiveHit, Statistics};
+use rotund_geometry::{Hit, Ray};
 
 /// The trees of one scene.
 ///
-/// They hold the geometry of the shapes as it was, and serve either [`Method`]: setting a method needs
-/// no new trees. Any other change of shapes or instances does.
+/// They hold copies of the geometry, and serve either [`crate::Method`]: setting a method, a material or a
+/// texture asks for nothing. After vertices, radii or frames moved, [`Trees::refit`] follows; shapes,
+/// elements and instances that come or go ask for new trees.
 #[derive(Clone, Debug)]
 pub struct Trees {
     /// Over `placements`.
@@ -21,6 +22,9 @@ pub struct Trees {
     placements: Vec<Placement>,
     /// One for each shape; then those that several instances share.
     trees: Vec<ShapeTree>,
+    /// The number of elements of each shape, and of instances.
+    element_counts: Vec<usize>,
+    instance_count: usize,
     /// Of each shared tree, how many elements are before those of each instance.
     shared: Vec<Vec<u32>>,
     route: Route,
@@ -44,56 +48,6 @@ pub enum Route {
 /// the element in the world and of its distance from the origin. `tests/frames.rs` holds it.
 const ROUND_TRIP: f32 = 8.0 * f32::EPSILON;
 
-/// One instance, prepared for rays; or several that stand where their shapes do, in one tree.
-#[derive(Clone, Copy, Debug)]
-struct Placement {
-    /// The first, and its shape.
-    instance: u32,
-    shape: u32,
-    /// Index into [`Trees::trees`].
-    tree: u32,
-    frame: Frame,
-    /// Vanilla points and lines nearer than this to the start of a ray, in object space, are what it
-    /// has just left.
-    ribbon_start: f32,
-}
-
-/// Instances of more triangles than this have but their own tree: one more beside it would take as much memory
-/// again, and save little.
-const FEW: usize = 64;
-
-/// The instances, divided into those that share a tree, each part with the number of its first.
-///
-/// Neighbours do that are but a few triangles each and need no frame, as the walls of a room: most of what a
-/// ray costs is then spent once and not in each. Only triangles have one form whatever the method. Neighbours,
-/// so that of equal hits the first instance wins by the order of placements and of triangles in them.
-fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
-    let small = |instance: &Instance| {
-        let elements = &scene.shapes[instance.shape as usize].elements;
-        instance.world_from_object == Affine3A::IDENTITY
-            && elements.kind() == ElementKind::Triangles
-            && elements.count() <= FEW
-    };
-    let parts = scene.instances.chunk_by(|a, b| small(a) && small(b));
-    parts
-        .scan(0, |next, part| {
-            let first = *next;
-            *next += part.len() as u32;
-            Some((first, part))
-        })
-        .collect()
-}
-
-impl Placement {
-    fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {
-        let mut ray = self.frame.object_ray(ray);
-        if shape.is_ribbons() {
-            ray.t_min = ray.t_min.max(self.ribbon_start / ray.direction.length());
-        }
-        ray
-    }
-}
-
 impl Trees {
     /// Builds all trees, on all threads of the current rayon pool; the result does not depend on how
     /// many there are.
@@ -103,27 +57,65 @@ impl Trees {
     /// If the scene is not valid: see [`Scene::validate`], which comes first.
     pub fn build(scene: &Scene) -> Result<Self, SceneError> {
         scene.validate()?;
-        let mut trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
-        let parts = parts(scene);
-        let place = |&(instance, part): &(u32, &[Instance])| {
-            let Instance { shape, world_from_object, .. } = part[0];
-            let frame = Frame::new(world_from_object);
-            let bounds = trees[shape as usize].bounds();
-            let ribbon_start = frame.ribbon_start(bounds);
-            let placement = Placement { instance, shape, tree: shape, frame, ribbon_start };
-            (placement, frame.world_bounds(bounds))
-        };
-        let (mut placements, mut boxes): (Vec<_>, Vec<_>) = parts.par_iter().map(place).unzip();
-        let mut shared = Vec::new();
-        for (index, (_, part)) in parts.iter().enumerate().filter(|(_, (_, part))| part.len() > 1) {
-            let (tree, starts) = shared_tree(scene, part);
-            placements[index].tree = trees.len() as u32;
-            boxes[index] = tree.bounds();
-            trees.push(ShapeTree::Triangles(tree));
-            shared.push(starts);
+        let trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
+        let Placements { placements, boxes, trees, shared } = Placements::new(scene, trees);
+        Ok(Self {
+            upper: Bvh::build(&boxes),
+            placements,
+            trees,
+            element_counts: scene.shapes.iter().map(|shape| shape.elements.count()).collect(),
+            instance_count: scene.instances.len(),
+            shared,
+            route: Route::default(),
+        })
+    }
+
+    /// Follows a scene whose vertices, radii, frames or materials changed: faster than to build new
+    /// trees, and with the same answers. The boxes are fitted to the elements that moved, and the
+    /// arrangement of the trees stays, so rays get slower as neighbours move apart; where that matters,
+    /// new trees are worth their time.
+    ///
+    /// Elements may name other vertices, and instances other shapes.
+    ///
+    /// # Errors
+    ///
+    /// If the scene is not valid, or if the number of shapes, of the elements of a shape, or of instances
+    /// is not that of the scene that the trees were built of. The trees stay as they are.
+    pub fn refit(&mut self, scene: &Scene) -> Result<(), SceneError> {
+        scene.validate()?;
+        self.check_counts(scene)?;
+        let isa = self.upper.isa();
+        let mut trees = std::mem::take(&mut self.trees);
+        trees.truncate(scene.shapes.len());
+        trees.par_iter_mut().zip(&scene.shapes).for_each(|(tree, shape)| tree.refit(shape));
+        let placed = Placements::new(scene, trees);
+        // Frames decide which instances share a tree, and so how many placements there are.
+        let same = placed.placements.iter().map(|placement| placement.instance);
+        let same = same.eq(self.placements.iter().map(|placement| placement.instance));
+        if !same || self.upper.refit(&placed.boxes).is_err() {
+            self.upper = Bvh::build(&placed.boxes).with_isa(isa);
         }
-        let upper = Bvh::build(&boxes);
-        Ok(Self { upper, placements, trees, shared, route: Route::default() })
+        self.placements = placed.placements;
+        self.trees = placed.trees.into_iter().map(|tree| tree.with_isa(isa)).collect();
+        self.shared = placed.shared;
+        Ok(())
+    }
+
+    fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
+        let changed =
+            |item, what, before, now| Err(SceneError::Changed { item, what, before, now });
+        let (before, now) = (self.element_counts.len(), scene.shapes.len());
+        if before != now {
+            return changed(None, "shapes", before, now);
+        }
+        for (index, (shape, &before)) in scene.shapes.iter().zip(&self.element_counts).enumerate() {
+            let now = shape.elements.count();
+            if before != now {
+                return changed(Some(item("shapes", index, &shape.name)), "elements", before, now);
+            }
+        }
+        let (before, now) = (self.instance_count, scene.instances.len());
+        if before != now { changed(None, "instances", before, now) } else { Ok(()) }
     }
 
     /// The same trees, walked with these instructions: the answers are the same, to the bit.
@@ -142,7 +134,9 @@ impl Trees {
     /// The first surface that the ray meets with `t` in `t_min..=t_max`. Ties go to the instance, and
     /// in it to the element, that comes first.
     ///
-    /// `scene` is the one the trees were built of.
+    /// # Panics
+    ///
+    /// It may, if `scene` is not the one that the trees were built of or refitted to.
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
         if let [placement] = self.placements.as_slice() {
@@ -219,6 +213,10 @@ impl Trees {
     }
 
     /// True if the ray meets anything with `t` in `t_min..=t_max`.
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::closest`].
     #[must_use]
     pub fn any(&self, scene: &Scene, ray: &Ray) -> bool {
         let test = |id: u32, ray: &Ray| {
@@ -229,95 +227,4 @@ impl Trees {
         };
         if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }
-}
-
-/// The tree over the elements of a shape, in object space.
-#[derive(Clone, Debug)]
-enum ShapeTree {
-    Points(SphereTree),
-    Lines(ConeTree),
-    Triangles(TriangleTree),
-    Quads(PatchTree),
-}
-
-impl ShapeTree {
-    fn build(shape: &Shape) -> Self {
-        match &shape.elements {
-            Elements::Points(count) => {
-                let spheres: Vec<_> = (0..*count).map(|point| shape.sphere(point)).collect();
-                Self::Points(SphereTree::build(&spheres))
-            }
-            Elements::Lines(lines) => {
-                let cones: Vec<_> = lines.iter().map(|&line| shape.cone(line)).collect();
-                Self::Lines(ConeTree::build(&cones))
-            }
-            Elements::Triangles(triangles) => {
-                let triangles: Vec<_> =
-                    triangles.iter().map(|&vertices| shape.triangle(vertices)).collect();
-                Self::Triangles(TriangleTree::build(&triangles))
-            }
-            Elements::Quads(quads) => {
-                let patches: Vec<_> = quads.iter().map(|&quad| shape.patch(quad)).collect();
-                Self::Quads(PatchTree::build(&patches))
-            }
-        }
-    }
-
-    fn with_isa(self, isa: Isa) -> Self {
-        match self {
-            Self::Points(tree) => Self::Points(tree.with_isa(isa)),
-            Self::Lines(tree) => Self::Lines(tree.with_isa(isa)),
-            Self::Triangles(tree) => Self::Triangles(tree.with_isa(isa)),
-            Self::Quads(tree) => Self::Quads(tree.with_isa(isa)),
-        }
-    }
-
-    fn bounds(&self) -> Aabb {
-        match self {
-            Self::Points(tree) => tree.bounds(),
-            Self::Lines(tree) => tree.bounds(),
-            Self::Triangles(tree) => tree.bounds(),
-            Self::Quads(tree) => tree.bounds(),
-        }
-    }
-
-    fn statistics(&self) -> Statistics {
-        match self {
-            Self::Points(tree) => tree.statistics(),
-            Self::Lines(tree) => tree.statistics(),
-            Self::Triangles(tree) => tree.statistics(),
-            Self::Quads(tree) => tree.statistics(),
-        }
-    }
-
-    fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
-        match self {
-            Self::Points(tree) => tree.closest(ray, method),
-            Self::Lines(tree) => tree.closest(ray, method),
-            Self::Triangles(tree) => tree.closest(ray, method),
-            Self::Quads(tree) => tree.closest(ray, method),
-        }
-    }
-
-    fn any(&self, ray: &Ray, method: Method) -> bool {
-        match self {
-            Self::Points(tree) => tree.any(ray, method),
-            Self::Lines(tree) => tree.any(ray, method),
-            Self::Triangles(tree) => tree.any(ray, method),
-            Self::Quads(tree) => tree.any(ray, method),
-        }
-    }
-}
-
-/// A tree over the triangles of all these instances, and how many are before those of each.
-fn shared_tree(scene: &Scene, instances: &[Instance]) -> (TriangleTree, Vec<u32>) {
-    let (mut triangles, mut starts) = (Vec::new(), Vec::new());
-    for instance in instances {
-        let shape = &scene.shapes[instance.shape as usize];
-        starts.push(triangles.len() as u32);
-        if let Elements::Triangles(elements) = &shape.elements {
-            triangles.extend(elements.iter().map(|&vertices| shape.triangle(vertices)));
-        }
-    }
-    (TriangleTree::build(&triangles), starts)
 }

@@ -77,9 +77,11 @@ mod intersect;
 #[cfg(feature = "load")]
 mod load;
 mod material;
+mod placement;
 mod primitive;
 mod scene;
 mod shape;
+mod shape_tree;
 mod texture;
 mod tiles;
 mod validate;

@@ -1,0 +1,108 @@
+//! Instances, prepared for rays.
+
+use crate::{ElementKind, Elements, Instance, Scene, Shape, frame::Frame, shape_tree::ShapeTree};
+use glam::Affine3A;
+use rayon::prelude::*;
+use rotund_bvh::TriangleTree;
+use rotund_geometry::{Aabb, Ray};
+
+/// One instance, prepared for rays; or several that stand where their shapes do, in one tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    /// The first, and its shape.
+    pub instance: u32,
+    pub shape: u32,
+    /// Index into [`Placements::trees`].
+    pub tree: u32,
+    pub frame: Frame,
+    /// Vanilla points and lines nearer than this to the start of a ray, in object space, are what it
+    /// has just left.
+    ribbon_start: f32,
+}
+
+/// Instances of more triangles than this have but their own tree: one more beside it would take as much memory
+/// again, and save little.
+const FEW: usize = 64;
+
+/// The instances, divided into those that share a tree, each part with the number of its first.
+///
+/// Neighbours do that are but a few triangles each and need no frame, as the walls of a room: most of what a
+/// ray costs is then spent once and not in each. Only triangles have one form whatever the method. Neighbours,
+/// so that of equal hits the first instance wins by the order of placements and of triangles in them.
+fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
+    let small = |instance: &Instance| {
+        let elements = &scene.shapes[instance.shape as usize].elements;
+        instance.world_from_object == Affine3A::IDENTITY
+            && elements.kind() == ElementKind::Triangles
+            && elements.count() <= FEW
+    };
+    let parts = scene.instances.chunk_by(|a, b| small(a) && small(b));
+    parts
+        .scan(0, |next, part| {
+            let first = *next;
+            *next += part.len() as u32;
+            Some((first, part))
+        })
+        .collect()
+}
+
+impl Placement {
+    /// The ray in the space of the shape.
+    #[inline]
+    pub(crate) fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {
+        let mut ray = self.frame.object_ray(ray);
+        if shape.is_ribbons() {
+            ray.t_min = ray.t_min.max(self.ribbon_start / ray.direction.length());
+        }
+        ray
+    }
+}
+
+/// The placements of a scene, what the tree over them is built of, and the trees that they refer to.
+pub(crate) struct Placements {
+    pub placements: Vec<Placement>,
+    /// The bounds of each placement in world space.
+    pub boxes: Vec<Aabb>,
+    /// One for each shape; then those that several instances share.
+    pub trees: Vec<ShapeTree>,
+    /// For each shared tree, how many elements are before those of each instance.
+    pub shared: Vec<Vec<u32>>,
+}
+
+impl Placements {
+    /// `trees` are those of the shapes; the shared ones are added.
+    pub(crate) fn new(scene: &Scene, mut trees: Vec<ShapeTree>) -> Self {
+        let parts = parts(scene);
+        let place = |&(instance, part): &(u32, &[Instance])| {
+            let Instance { shape, world_from_object, .. } = part[0];
+            let frame = Frame::new(world_from_object);
+            let bounds = trees[shape as usize].bounds();
+            let ribbon_start = frame.ribbon_start(bounds);
+            let placement = Placement { instance, shape, tree: shape, frame, ribbon_start };
+            (placement, frame.world_bounds(bounds))
+        };
+        let (mut placements, mut boxes): (Vec<_>, Vec<_>) = parts.par_iter().map(place).unzip();
+        let mut shared = Vec::new();
+        for (index, (_, part)) in parts.iter().enumerate().filter(|(_, (_, part))| part.len() > 1) {
+            let (tree, starts) = shared_tree(scene, part);
+            placements[index].tree = trees.len() as u32;
+            boxes[index] = tree.bounds();
+            trees.push(ShapeTree::Triangles(tree));
+            shared.push(starts);
+        }
+        Self { placements, boxes, trees, shared }
+    }
+}
+
+/// A tree over the triangles of all these instances, and how many are before those of each.
+fn shared_tree(scene: &Scene, instances: &[Instance]) -> (TriangleTree, Vec<u32>) {
+    let (mut triangles, mut starts) = (Vec::new(), Vec::new());
+    for instance in instances {
+        let shape = &scene.shapes[instance.shape as usize];
+        starts.push(triangles.len() as u32);
+        if let Elements::Triangles(elements) = &shape.elements {
+            triangles.extend(elements.iter().map(|&vertices| shape.triangle(vertices)));
+        }
+    }
+    (TriangleTree::build(&triangles), starts)
+}
