@@ -2,7 +2,7 @@
 
 use crate::workspace;
 use anyhow::{Context, Result, anyhow, bail};
-use rotund_scene::{LoadError, LoadOptions, Loaded, Scene};
+use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene};
 use std::path::{Path, PathBuf};
 
 /// A scene and what to call it.
@@ -65,7 +65,9 @@ pub fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(String, Loa
     let path = locate(name_or_path)?;
     // The text of a load error already tells its cause, so the chain would say it twice.
     let loaded = rotund_scene::load(&path, &args.options()).map_err(|error| match error {
-        LoadError::OutsideFolder { .. } => anyhow!("{error}: --allow-outside"),
+        error if matches!(*error.problem, LoadProblem::OutsideFolder { .. }) => {
+            anyhow!("{error}: --allow-outside")
+        }
         error => anyhow!("{error}"),
     })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
