@@ -1,8 +1,7 @@
 //! The scenes that are built into the program, so that it needs no checkout.
 
-use anyhow::{Context, Result};
-use rotund_scene::{LoadOptions, Loaded};
-use std::path::Path;
+use rotund_scene::{LoadError, LoadOptions, Loaded, load_bytes};
+use std::borrow::Cow;
 
 /// The files of `scenes/`, each with its path relative to that folder; `build.rs` lists them.
 static FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/scene_files.rs"));
@@ -12,18 +11,17 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().filter_map(|(path, _)| path.strip_suffix(".json"))
 }
 
-/// Loads the scene of this name, which must be one of [`names`].
-pub(crate) fn load(name: &str, options: &LoadOptions) -> Result<Loaded> {
-    let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
-    for (path, bytes) in FILES {
-        let path = folder.path().join(path);
-        let parent = path.parent().unwrap_or(Path::new(""));
-        let written = std::fs::create_dir_all(parent).and_then(|()| std::fs::write(&path, bytes));
-        written.with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    let path = folder.path().join(name).with_extension("json");
-    let loaded = rotund_scene::load(path, options)?;
-    Ok(Loaded { files: Vec::new(), ..loaded })
+/// Loads the scene of this name, if it is one of [`names`]. The list of files that were read is empty.
+pub(crate) fn load(name: &str, options: &LoadOptions) -> Option<Result<Loaded, LoadError>> {
+    let scene = format!("{name}.json");
+    let json = bytes(&scene)?;
+    let file = |path: &str| bytes(path).map(Cow::Borrowed);
+    let loaded = load_bytes(scene, json, &file, options);
+    Some(loaded.map(|loaded| Loaded { files: Vec::new(), ..loaded }))
+}
+
+fn bytes(path: &str) -> Option<&'static [u8]> {
+    FILES.iter().find(|(name, _)| *name == path).map(|(_, bytes)| *bytes)
 }
 
 #[cfg(test)]
@@ -31,6 +29,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use std::fs;
+    use std::path::Path;
 
     /// Every file below a folder, relative to it.
     fn files_below(folder: &Path, prefix: &str) -> BTreeSet<(String, Vec<u8>)> {
@@ -66,10 +65,11 @@ mod tests {
     #[test]
     fn every_built_in_scene_loads_without_a_warning() {
         for name in names() {
-            let loaded = load(name, &LoadOptions::default());
-            let loaded = loaded.unwrap_or_else(|error| panic!("{name}: {error:#}"));
+            let loaded = load(name, &LoadOptions::default()).expect("a built-in scene");
+            let loaded = loaded.unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(loaded.warnings, [""; 0], "{name}");
             assert!(!loaded.scene.instances.is_empty(), "{name}");
         }
+        assert!(load("shapes9", &LoadOptions::default()).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::built_in;
 use anyhow::{Context, Error, Result, bail};
-use rotund_scene::{LoadError, LoadOptions, Loaded, Scene};
+use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene};
 use std::path::Path;
 
 /// A scene and what to call it.
@@ -68,8 +68,8 @@ pub fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
 /// Loads a scene and its name, and leaves the warnings to the caller.
 pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(String, Loaded)> {
     let options = args.options();
-    if built_in::names().any(|name| name == name_or_path) {
-        return Ok((name_or_path.to_owned(), built_in::load(name_or_path, &options)?));
+    if let Some(loaded) = built_in::load(name_or_path, &options) {
+        return Ok((name_or_path.to_owned(), loaded?));
     }
     let path = Path::new(name_or_path);
     let is_path = name_or_path.contains(std::path::is_separator) || path.extension().is_some();
@@ -80,9 +80,9 @@ pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(Stri
             built_in::names().collect::<Vec<_>>().join(", ")
         );
     }
-    let loaded = rotund_scene::load(path, &options).map_err(|error| match error {
-        LoadError::OutsideFolder { .. } => Error::msg(format!("{error}: --allow-outside")),
-        error => error.into(),
+    let loaded = rotund_scene::load(path, &options).map_err(|error| match *error.problem {
+        LoadProblem::OutsideFolder { .. } => Error::msg(format!("{error}: --allow-outside")),
+        _ => error.into(),
     })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok((name, loaded))

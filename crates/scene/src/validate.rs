@@ -137,7 +137,8 @@ fn texture(index: usize, texture: &Texture) -> Result<(), SceneError> {
     }
 }
 
-fn shape(index: usize, shape: &Shape) -> Result<(), SceneError> {
+/// Checks the arrays of a shape.
+pub(crate) fn shape(index: usize, shape: &Shape) -> Result<(), SceneError> {
     let item = || item("shapes", index, &shape.name);
     let positions = shape.positions.len();
     let (kind, count) = (shape.elements.kind(), shape.elements.count());

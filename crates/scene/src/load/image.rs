@@ -1,12 +1,9 @@
 //! Textures from PNG, JPEG, HDR and EXR files.
 
-use super::{
-    error::NamedBy,
-    file::{extension, read},
-};
-use crate::{LoadError, Pixels, Texture};
+use super::error::LoadProblem;
+use crate::{Pixels, Texture};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
-use std::{io::Cursor, path::Path};
+use std::io::Cursor;
 
 const SUPPORTED: &str = "png, jpg, hdr and exr";
 
@@ -18,25 +15,20 @@ const TIGHTEST: u64 = 1400;
 /// 16,384 x 16,384.
 const MOST_PIXELS: u64 = 1 << 28;
 
-/// Reads an image; the kind is told by the extension, as in yocto-gl.
-pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Texture, LoadError> {
-    let format = match extension(path).as_str() {
+/// The format of a file of this extension, as in yocto-gl; `None` means EXR.
+pub(super) fn format(extension: String) -> Result<Option<ImageFormat>, LoadProblem> {
+    Ok(match extension.as_str() {
         "png" => Some(ImageFormat::Png),
         "jpg" | "jpeg" => Some(ImageFormat::Jpeg),
         "hdr" => Some(ImageFormat::Hdr),
         "exr" => None,
-        other => {
-            return Err(LoadError::Unsupported {
-                path: path.to_owned(),
-                named_by: named_by.clone(),
-                extension: other.to_owned(),
-                supported: SUPPORTED,
-            });
-        }
-    };
-    let bytes = read(path, named_by)?;
-    decode(&bytes, format)
-        .map_err(|problem| LoadError::Image { path: path.to_owned(), problem: plain(problem) })
+        _ => return Err(LoadProblem::Unsupported { extension, supported: SUPPORTED }),
+    })
+}
+
+/// Decodes an image.
+pub(super) fn read(bytes: &[u8], format: Option<ImageFormat>) -> Result<Texture, LoadProblem> {
+    decode(bytes, format).map_err(|problem| LoadProblem::Image { problem: plain(problem) })
 }
 
 /// What the libraries say of a file that ends early, each in its way, in one.
@@ -63,8 +55,7 @@ pub(super) fn mend(texture: &mut Texture) -> usize {
     mended
 }
 
-/// `None` means EXR.
-pub(super) fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Texture, String> {
+fn decode(bytes: &[u8], format: Option<ImageFormat>) -> Result<Texture, String> {
     let texture = match format {
         Some(format) => decode_with_image(bytes, format)?,
         // Where the library lets numbers wrap round, as B44 does with bad data, a debug build panics.
