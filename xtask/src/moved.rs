@@ -1,10 +1,10 @@
 //! `moved <scene>`: does a picture stay the same where the world is far away, tiny or huge?
 //!
-//! Renders the enhanced picture of a scene as it is; then with everything moved away from the origin,
-//! and with everything modelled in other units, camera included, so that the pictures should be the
-//! same. What is left is rounding: positions in single precision have 24 bits, so at 10 km from the
-//! origin they are a multiple of a millimeter. To tell it from noise, the picture with another seed
-//! is held against the first as well.
+//! Renders the enhanced picture of a scene as it is; then with everything moved away from the
+//! origin, and with everything modelled in other units, camera included, so that the pictures
+//! should be the same. What is left is rounding: positions in single precision have 24 bits, so at
+//! 10 km from the origin they are a multiple of a millimeter. To tell it from noise, the picture
+//! with another seed is held against the first as well.
 
 use anyhow::{Result, bail};
 use glam::{DAffine3, DVec3};

@@ -11,7 +11,8 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().filter_map(|(path, _)| path.strip_suffix(".json"))
 }
 
-/// Loads the scene of this name, if it is one of [`names`]. The list of files that were read is empty.
+/// Loads the scene of this name, if it is one of [`names`]. The list of files that were read is
+/// empty.
 pub(crate) fn load(name: &str, options: &LoadOptions) -> Option<Result<Loaded, LoadError>> {
     let scene = format!("{name}.json");
     let json = bytes(&scene)?;

@@ -52,7 +52,8 @@ pub struct Args {
     /// The quantity that the picture shows.
     #[arg(long, value_parser = choice::parser::<View>(views()), default_value = "path")]
     view: View,
-    /// Make the background transparent: the environment lights the scene but is hidden from the camera.
+    /// Make the background transparent: the environment lights the scene but is hidden from the
+    /// camera.
     #[arg(long)]
     transparent: bool,
     /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.

@@ -62,16 +62,46 @@ fn a_lone_ply_file_renders() {
     succeed(folder.path(), &["info", "cloud.ply"]);
 }
 
+/// Asserts that no line is longer than a terminal of 80 columns.
+#[track_caller]
+fn assert_narrow(text: &str) {
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{line:?} is wider than 80 columns in\n{text}");
+    }
+}
+
 #[test]
 fn every_built_in_scene_is_described_within_80_columns() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for scene in ["glass", "lights", "patches", "shapes1", "shapes2", "shapes3", "shapes4"] {
         let text = succeed(folder.path(), &["info", scene]);
         assert!(text.starts_with(&format!("{scene}: ")), "{text}");
-        for line in text.lines() {
-            assert!(line.chars().count() <= 80, "{scene}: {line}");
-        }
+        assert_narrow(&text);
     }
+}
+
+#[test]
+fn every_table_fits_in_80_columns_however_long_the_name_of_a_scene() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let name = "a-scene-with-a-name-that-nobody-would-type-more-than-once-".repeat(2);
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+        property float z\nproperty float radius\nend_header\n0 0 0 0.5\n";
+    let scene = format!("{name}.ply");
+    fs::write(folder.path().join(&scene), ply).expect("a shape file");
+    let size = ["--resolution", "16", "--samples", "2"];
+    let run = |arguments: &[&str]| succeed(folder.path(), arguments);
+    let table = run(&[&["compare", &scene, "--out", "o"][..], &size].concat());
+    assert!(table.lines().any(|line| line.trim_end() == &name[..80]), "{table}");
+    assert_narrow(&table);
+    let reference = "o/enhanced.exr";
+    let noise = ["noise", &scene, "--reference", reference];
+    assert_narrow(&run(&[&noise[..], &size].concat()));
+    assert_narrow(&run(&["diff", "o/vanilla.png", reference]));
+    let size = ["--bless", "--resolution", "16"];
+    run(&[&["golden", "--dir", "g", &scene][..], &size].concat());
+    let table = run(&["golden", "--dir", "g", &scene, "--isa", "portable"]);
+    assert!(table.contains("FLIP") && table.contains("ok"), "{table}");
+    assert_narrow(&table);
 }
 
 #[test]
@@ -79,8 +109,8 @@ fn an_unknown_scene_is_refused_with_the_names_of_the_built_in_ones() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = rotund(folder.path(), &["compare", "shapes5"]);
     assert_eq!(output.status.code(), Some(1));
-    let expected = "error: there is no built-in scene \"shapes5\"; there are glass, lights, patches, \
-        shapes1, shapes2, shapes3, shapes4, or give the path of a JSON, PLY or OBJ file\n";
+    let expected = "error: there is no built-in scene \"shapes5\"; there are glass, lights, \
+        patches, shapes1, shapes2, shapes3, shapes4, or give the path of a JSON, PLY or OBJ file\n";
     assert_eq!(String::from_utf8_lossy(&output.stderr), expected);
 }
 
