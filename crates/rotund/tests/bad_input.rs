@@ -126,7 +126,7 @@ fn a_bad_scene_is_refused_with_its_file_and_field() {
 fn bad_arguments_are_refused_before_any_work() {
     type Case<'a> = (&'a str, &'a [&'a str], i32, &'a [&'a str]);
     let table: [Case<'_>; 14] = [
-        ("no folder of references", &["golden", "scene.json"], 2, &["--dir"]),
+        ("no folder of references", &["golden", "scene.json"], 2, &["required arguments"]),
         ("unknown scene", &["info", "shapes9"], 1, &["shapes9", "shapes1", "shapes4"]),
         ("missing file", &["info", "no/such.json"], 1, &["no/such.json"]),
         ("a folder", &["info", "./"], 1, &["folder"]),
