@@ -16,7 +16,7 @@ use rotund_trace::Options;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Both renders and their difference. Of each pair, the first is vanilla.
+/// Both renders and their difference. In each pair vanilla is first.
 #[derive(Debug)]
 pub(super) struct Comparison {
     scene: String,
@@ -29,7 +29,7 @@ pub(super) struct Comparison {
     longer: Option<Longer>,
 }
 
-/// What the faster method makes of the time that the slower one takes.
+/// The picture of the faster method after the time that the slower one takes.
 #[derive(Debug)]
 struct Longer {
     /// Index into [`NAMES`].
@@ -54,11 +54,12 @@ fn interrupted(folder: &Path, what: &str, options: &Options) -> anyhow::Error {
 }
 
 impl Comparison {
-    /// Renders both into `folder`, and the faster one for longer if `equal_time`.
+    /// Renders both pictures, and continues the faster one if `equal_time`.
     ///
     /// # Errors
     ///
-    /// If Ctrl-C is pressed: what there is then is written.
+    /// If the scene cannot be rendered, or Ctrl-C is pressed; then the pictures so far are written into
+    /// `folder`.
     pub(super) fn render(
         source: &mut NamedScene,
         camera: usize,
@@ -103,7 +104,8 @@ impl Comparison {
         Ok(comparison)
     }
 
-    /// Nothing if both take about as long, or Ctrl-C is pressed: both pictures are complete then.
+    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures are
+    /// complete by then.
     fn render_longer(
         &self,
         scene: &mut Scene,
@@ -143,7 +145,7 @@ impl Comparison {
         write_text(&folder.join("report.html"), &self.report()?)
     }
 
-    /// What `metrics.json` holds. In `difference`, `a` is enhanced and `b` is vanilla.
+    /// Returns the content of `metrics.json`. In `difference`, `a` is enhanced and `b` is vanilla.
     pub(super) fn metrics(&self) -> Value {
         let [vanilla, enhanced] = self.shots.each_ref().map(|shot| {
             json!({
@@ -226,7 +228,7 @@ impl Comparison {
         table
     }
 
-    /// The card of the scene on the page about several.
+    /// Returns the card of the scene on the page about several scenes.
     pub(super) fn entry(&self) -> Result<Entry> {
         Entry::new(&self.scene, &self.settings(), &self.pictures, &self.difference, &self.timings())
     }
