@@ -1,31 +1,30 @@
-//! Building trees over spheres, and asking them for the closest and for any hit.
+//! Trees over spheres: building them, and closest-hit and any-hit queries with each method and
+//! instruction set.
+
+#[path = "../../geometry/src/test_random.rs"]
+mod test_random;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use glam::Vec3;
 use rotund_bvh::{Isa, Method, SphereTree};
 use rotund_geometry::{Ray, Sphere};
 use std::hint::black_box;
-
-/// Points of the unit cube, by the additive recurrence of M. Roberts (2018).
-fn points(count: usize) -> impl Iterator<Item = Vec3> {
-    (1..=count).map(|i| {
-        let at = i as f64 * glam::DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
-        at.fract().as_vec3()
-    })
-}
+use test_random::Random;
 
 fn trees(c: &mut Criterion) {
     let count = 100_000;
-    let radius = 0.002;
-    let spheres: Vec<Sphere> = points(count).map(|center| Sphere { center, radius }).collect();
+    let mut random = Random(1);
+    let spheres: Vec<Sphere> =
+        (0..count).map(|_| Sphere { center: random.in_cube(), radius: 0.004 }).collect();
     let mut group = c.benchmark_group("spheres");
     group.sample_size(20);
     group.throughput(Throughput::Elements(count as u64));
     group.bench_function("build", |b| b.iter(|| SphereTree::build(black_box(&spheres))));
 
-    let rays: Vec<Ray> = points(2000)
-        .zip(points(count + 2000).skip(count)) // none of them the middle of a sphere
-        .map(|(from, to)| Ray::new(3.0 * from - Vec3::ONE, to - (3.0 * from - Vec3::ONE)))
+    let rays: Vec<Ray> = (0..2000)
+        .map(|_| {
+            let origin = 3.0 * random.in_cube();
+            Ray::new(origin, random.in_cube() - origin)
+        })
         .collect();
     group.throughput(Throughput::Elements(rays.len() as u64));
     for isa in Isa::available() {

@@ -1,10 +1,11 @@
 //! Top-down construction of a wide tree.
 //!
-//! At the top, where ranges are large, a node starts as one range of primitive references; the range with the
-//! largest surface area is split in two until there are [`WIDTH`] of them. Ranges of at most [`SEQUENTIAL_LIMIT`]
-//! references become subtrees, built in parallel: each is a binary tree that is collapsed into wide nodes
-//! (`fold.rs`) in its own vectors. The vectors are then concatenated in order. A subtree depends only on its
-//! references, so the tree is the same for any number of threads.
+//! At the top, where ranges are large, a node starts as one range of primitive references; the
+//! range with the largest surface area is split in two until there are [`WIDTH`] of them. Ranges of
+//! at most [`SEQUENTIAL_LIMIT`] references become subtrees, built in parallel: each is a binary
+//! tree that is collapsed into wide nodes (`fold.rs`) in its own vectors. The vectors are then
+//! concatenated in order. A subtree depends only on its references, so the tree is the same for any
+//! number of threads.
 
 use crate::build_range::{BuildRange, BuildSettings, Subtree};
 use crate::fold;
@@ -17,12 +18,13 @@ use rotund_geometry::Aabb;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Ranges up to this length are built by one thread. A whole tree of at most this length is built by the calling
-/// thread, which neither starts nor wakes a thread pool.
+/// Ranges up to this length are built by one thread. A whole tree of at most this length is built
+/// by the calling thread, which neither starts nor wakes a thread pool.
 pub(crate) const SEQUENTIAL_LIMIT: usize = 1 << 14;
 
-/// The largest number of primitives in a tree: 2^31 - 2, since one bit of a 32-bit index tells leaves from nodes.
-/// A larger scene can be divided among several trees, under a [`crate::Bvh`] over their bounds.
+/// The largest number of primitives in a tree: 2^31 - 2, since one bit of a 32-bit index tells
+/// leaves from nodes. A larger scene can be divided among several trees, under a [`crate::Bvh`]
+/// over their bounds.
 pub const MAX_PRIMITIVES: usize = Child::MAX_INDEX as usize;
 
 /// A tree and the leaves that it refers to.
@@ -92,7 +94,8 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
         source_count: count,
         kept_count: prims.len(),
     };
-    // Only the ids are returned, so that the caller's leaves can reuse the memory of the primitive references.
+    // Only the ids are returned, so that the caller's leaves can reuse the memory of the primitive
+    // references.
     let ids = if count <= SEQUENTIAL_LIMIT {
         prims.iter().map(PrimRef::id).collect()
     } else {

@@ -6,8 +6,8 @@ use crate::prim_ref::{PrimRef, RangeBounds};
 use crate::sah::{Split, find_split, partition};
 use std::ops::Range;
 
-/// Ranges that result from up to this many splits are split by the surface area heuristic. Deeper ranges are
-/// halved, which bounds the depth of a tree over adversarial boxes by [`MAX_DEPTH`].
+/// Ranges that result from up to this many splits are split by the surface area heuristic. Deeper
+/// ranges are halved, which bounds the depth of a tree over adversarial boxes by [`MAX_DEPTH`].
 const SAH_DEPTH: usize = 64;
 
 /// Upper bound on the nodes above a leaf: 2^31 references are halved less than 32 times.

@@ -13,19 +13,20 @@ use rotund_geometry::{Aabb, Primitive, Ray};
 
 /// A tree over boxes, for primitives of your own.
 ///
-/// Each primitive is known by its index in the slice that the tree was built from, and must lie inside its
-/// box; the parts outside may be missed. Empty boxes and boxes with a NaN are never visited, and are
-/// not in [`Bvh::bounds`].
+/// Each primitive is known by its index in the slice that the tree was built from, and must lie
+/// inside its box; the parts outside may be missed. Empty boxes and boxes with a NaN are never
+/// visited, and are not in [`Bvh::bounds`].
 ///
 /// There are two ways to query it:
 ///
-/// - [`closest_of`](Self::closest_of) and [`any_of`](Self::any_of), over a slice of a type that implements
-///   [`Primitive`];
-/// - [`closest`](Self::closest) and [`any`](Self::any), which call back with ids, over anything else. A tree over trees
-///   is an example: the callback transforms the ray and queries another tree.
+/// - [`closest_of`](Self::closest_of) and [`any_of`](Self::any_of), over a slice of a type that
+///   implements [`Primitive`];
+/// - [`closest`](Self::closest) and [`any`](Self::any), which call back with ids, over anything
+///   else. A tree over trees is an example: the callback transforms the ray and queries another
+///   tree.
 ///
-/// For spheres, rounded cones, bilinear patches and triangles, [`crate::SphereTree`], [`crate::ConeTree`],
-/// [`crate::PatchTree`] and [`crate::TriangleTree`] are faster.
+/// For spheres, rounded cones, bilinear patches and triangles, [`crate::SphereTree`],
+/// [`crate::ConeTree`], [`crate::PatchTree`] and [`crate::TriangleTree`] are faster.
 ///
 /// ```
 /// use rotund_bvh::Bvh;
@@ -55,8 +56,8 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds a tree over `boxes` on all threads of the current rayon pool. The tree does not depend on
-    /// their number.
+    /// Builds a tree over `boxes` on all threads of the current rayon pool. The tree does not
+    /// depend on their number.
     ///
     /// # Panics
     ///
@@ -77,7 +78,8 @@ impl Bvh {
     }
 
     fn build_by(count: usize, bounds: impl Fn(u32) -> Aabb + Sync) -> Self {
-        // Callbacks may be expensive, so each primitive is a leaf whose box is tested before the call.
+        // Callbacks may be expensive, so each primitive is a leaf whose box is tested before the
+        // call.
         let built = build(count, bounds, 1);
         // The index of a leaf becomes the id of its primitive, and the leaves are not needed.
         let id = |child: Child| match child {
@@ -103,15 +105,16 @@ impl Bvh {
     /// Moves the boxes: `boxes[i]` becomes the box of primitive `i`. The bounds of all nodes are
     /// recomputed bottom-up; the topology of the tree stays.
     ///
-    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart, nodes
-    /// grow and overlap, and rays visit more of them. Refit while primitives move together, or by a few of
-    /// their sizes; build a new tree when queries have slowed down by more than a build costs. A refit takes
-    /// a small part of the time of a build.
+    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart,
+    /// nodes grow and overlap, and rays visit more of them. Refit while primitives move together,
+    /// or by a few of their sizes; build a new tree when queries have slowed down by more than a
+    /// build costs. A refit takes a small part of the time of a build.
     ///
     /// # Errors
     ///
-    /// If the number of boxes is not that of the build, or if a box that was empty at the build is not empty now or the
-    /// reverse (a box with a NaN counts as empty). The tree is then as it was before the call.
+    /// If the number of boxes is not that of the build, or if a box that was empty at the build is
+    /// not empty now or the reverse (a box with a NaN counts as empty). The tree is then as it was
+    /// before the call.
     pub fn refit(&mut self, boxes: &[Aabb]) -> Result<(), RefitError> {
         let leaves = self.tree.nodes.iter().flat_map(|node| &node.children);
         let leaves = leaves.filter(|child| child.is_leaf() && **child != Child::NONE);
@@ -123,8 +126,8 @@ impl Bvh {
         Ok(())
     }
 
-    /// Returns the primitive that the ray hits with the smallest `t`, and the hit: the answer of a loop over all
-    /// primitives. A tie goes to the lowest id.
+    /// Returns the primitive that the ray hits with the smallest `t`, and the hit: the answer of a
+    /// loop over all primitives. A tie goes to the lowest id.
     ///
     /// `primitives` are those that the tree was built over, or refitted to, in the same order.
     ///
@@ -145,7 +148,8 @@ impl Bvh {
         Some(PrimitiveHit { id: found.id, hit: found.value })
     }
 
-    /// Returns whether the ray hits any of `primitives`, that is, whether [`Bvh::closest_of`] finds one.
+    /// Returns whether the ray hits any of `primitives`, that is, whether [`Bvh::closest_of`] finds
+    /// one.
     ///
     /// # Panics
     ///
@@ -166,12 +170,14 @@ impl Bvh {
         );
     }
 
-    /// Returns the hit with the smallest `t`, and the value that `test` returned with it. A tie goes to the lowest id.
+    /// Returns the hit with the smallest `t`, and the value that `test` returned with it. A tie
+    /// goes to the lowest id.
     ///
-    /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit in
-    /// `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t` outside the interval, or
-    /// NaN, counts as a miss. The `t_max` of the ray in the call is that of the closest hit so far. Ids come in no
-    /// particular order, roughly from near to far, each at most once.
+    /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit
+    /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
+    /// outside the interval, or NaN, counts as a miss. The `t_max` of the ray in the call is that
+    /// of the closest hit so far. Ids come in no particular order, roughly from near to far, each
+    /// at most once.
     ///
     /// A ray whose origin or direction is not finite, or whose direction is zero, hits nothing.
     #[inline]
@@ -194,8 +200,8 @@ impl Bvh {
 
     /// Returns whether `test` returns true for any primitive whose box the ray meets.
     ///
-    /// `test` is called with the id of a primitive and the ray, in no particular order, each id at most once, until it
-    /// returns true.
+    /// `test` is called with the id of a primitive and the ray, in no particular order, each id at
+    /// most once, until it returns true.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
         let Some(slab_ray) = SlabRay::new(ray) else { return false };
@@ -237,7 +243,8 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::ClosestVisit
         };
         let wins = match &self.best {
             None => t >= self.ray.t_min && t <= self.ray.t_max,
-            // A tie goes to the lower id, so that the answer does not depend on the order of traversal.
+            // A tie goes to the lower id, so that the answer does not depend on the order of
+            // traversal.
             Some(best) => t >= self.ray.t_min && (t < best.t || (t == best.t && id < best.id)),
         };
         if !wins {

@@ -1,14 +1,15 @@
 //! Subtrees: a binary tree, collapsed into wide nodes at the least cost.
 //!
-//! A wide node takes up to [`WIDTH`] subtrees out of a binary one. The leaves are the same whichever are taken, so
-//! the cost to minimise is how often rays visit the nodes above them: the sum of the surface areas of these nodes.
-//! Dynamic programming finds the minimum. Let `forest(n, k)` be the least sum if subtree `n` becomes at most `k`
-//! children of the node above it. `forest(n, 1)` is the area of `n`, if it is no leaf, plus the least
-//! `forest(left, i) + forest(right, WIDTH - i)`; for `k > 1`, `forest(n, k)` is the smaller of `forest(n, k - 1)`
-//! and the least `forest(left, i) + forest(right, k - i)`.
+//! A wide node takes up to [`WIDTH`] subtrees out of a binary one. The leaves are the same
+//! whichever are taken, so the cost to minimise is how often rays visit the nodes above them: the
+//! sum of the surface areas of these nodes. Dynamic programming finds the minimum. Let
+//! `forest(n, k)` be the least sum if subtree `n` becomes at most `k` children of the node above
+//! it. `forest(n, 1)` is the area of `n`, if it is no leaf, plus the least
+//! `forest(left, i) + forest(right, WIDTH - i)`; for `k > 1`, `forest(n, k)` is the smaller of
+//! `forest(n, k - 1)` and the least `forest(left, i) + forest(right, k - i)`.
 //!
-//! Source: H. Ylitie, T. Karras, S. Laine, "Efficient incoherent ray traversal on GPUs through compressed wide
-//! BVHs", HPG 2017.
+//! Source: H. Ylitie, T. Karras, S. Laine, "Efficient incoherent ray traversal on GPUs through
+//! compressed wide BVHs", HPG 2017.
 
 use crate::build_range::{BuildRange, BuildSettings, Subtree};
 use crate::node::{Child, Node, WIDTH};
@@ -36,8 +37,8 @@ struct BinaryNode {
     right: u32,
     /// `forest[k - 1]` is the least cost as at most `k` children.
     forest: [f32; WIDTH - 1],
-    /// Of `k` children, `left[k - 1]` come from the left child; zero if `k - 1` children cost no more. The entry for
-    /// [`WIDTH`] children is that of this node as a wide node.
+    /// Of `k` children, `left[k - 1]` come from the left child; zero if `k - 1` children cost no
+    /// more. The entry for [`WIDTH`] children is that of this node as a wide node.
     left: [u8; WIDTH],
 }
 

@@ -23,7 +23,8 @@ enum Kind {
 }
 
 impl Isa {
-    /// The baseline of the architecture, which every processor supports: SSE2 on x86-64, NEON on AArch64.
+    /// The baseline of the architecture, which every processor supports: SSE2 on x86-64, NEON on
+    /// AArch64.
     pub const PORTABLE: Self = Self(Kind::Portable);
 
     /// All sets that this processor supports, fastest last.
@@ -41,8 +42,9 @@ impl Isa {
         .collect()
     }
 
-    /// The set that new trees use: the one named by the environment variable `ROTUND_ISA` (`portable`, `sse2`,
-    /// `avx2`, `avx512`) if the processor supports it, else the fastest. Determined once per process.
+    /// The set that new trees use: the one named by the environment variable `ROTUND_ISA`
+    /// (`portable`, `sse2`, `avx2`, `avx512`) if the processor supports it, else the fastest.
+    /// Determined once per process.
     #[must_use]
     pub fn default_set() -> Self {
         static DEFAULT: OnceLock<Isa> = OnceLock::new();
@@ -90,8 +92,8 @@ impl PartialEq for Isa {
 
 impl Eq for Isa {}
 
-/// The error for a name that is not that of an instruction set of this processor. Its text lists the names that
-/// are.
+/// The error for a name that is not that of an instruction set of this processor. Its text lists
+/// the names that are.
 #[derive(Clone, Debug)]
 pub struct UnknownIsa(String);
 
@@ -112,7 +114,8 @@ impl std::error::Error for UnknownIsa {}
 impl FromStr for Isa {
     type Err = UnknownIsa;
 
-    /// Parses an [`Isa::name`]. On x86-64 `sse2` is another name of the portable set, which compiles to SSE2 there.
+    /// Parses an [`Isa::name`]. On x86-64 `sse2` is another name of the portable set, which
+    /// compiles to SSE2 there.
     fn from_str(name: &str) -> Result<Self, UnknownIsa> {
         if cfg!(target_arch = "x86_64") && name == "sse2" {
             return Ok(Self::PORTABLE);

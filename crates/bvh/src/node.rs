@@ -7,16 +7,16 @@ pub(crate) const WIDTH: usize = 8;
 
 /// The content of a slot of a node: another node, a leaf, or nothing.
 ///
-/// The top bit is set for leaves. The other bits are the index of the node or leaf; in a [`crate::Bvh`] the index
-/// of a leaf is the id of its primitive.
+/// The top bit is set for leaves. The other bits are the index of the node or leaf; in a
+/// [`crate::Bvh`] the index of a leaf is the id of its primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Child(pub(crate) u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;
-    /// The largest index of a node or leaf. The next one is not used, since it would make a leaf equal to
-    /// [`Child::NONE`].
+    /// The largest index of a node or leaf. The next one is not used, since it would make a leaf
+    /// equal to [`Child::NONE`].
     pub(crate) const MAX_INDEX: u32 = Self::LEAF - 2;
     /// An unused slot. Its box is empty, so no ray visits it.
     pub(crate) const NONE: Self = Self(u32::MAX);
@@ -42,13 +42,15 @@ impl Child {
     }
 }
 
-/// A node with up to [`WIDTH`] children. Their boxes are stored as six arrays of planes, in four cache lines.
+/// A node with up to [`WIDTH`] children. Their boxes are stored as six arrays of planes, in four
+/// cache lines.
 ///
-/// `planes[axis]` holds the lower and then the upper planes of an axis, so that a ray selects its near and far planes
-/// by an index instead of a comparison.
+/// `planes[axis]` holds the lower and then the upper planes of an axis, so that a ray selects its
+/// near and far planes by an index instead of a comparison.
 ///
-/// Invariants: no plane is NaN; used slots come first; an unused slot holds [`Child::NONE`] and an empty box
-/// (`+inf..=-inf`); the box of a slot contains all boxes below it; a child node comes after its parent.
+/// Invariants: no plane is NaN; used slots come first; an unused slot holds [`Child::NONE`] and an
+/// empty box (`+inf..=-inf`); the box of a slot contains all boxes below it; a child node comes
+/// after its parent.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {

@@ -5,8 +5,8 @@ use crate::simd::{Simd, WithSimd};
 use glam::{Vec3, Vec4};
 use rotund_geometry::Aabb;
 
-/// A box as eight lanes: the lower corner, and the upper corner negated, so that a union is a minimum of all lanes.
-/// Lanes 3 and 7 are ignored.
+/// A box as eight lanes: the lower corner, and the upper corner negated, so that a union is a
+/// minimum of all lanes. Lanes 3 and 7 are ignored.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct LaneBounds(pub(crate) [f32; 8]);
@@ -43,8 +43,8 @@ impl LaneBounds {
         -0.5 * self.negated_upper() - 0.5 * self.lower()
     }
 
-    /// Half of the surface area of the box, its sides scaled by `scale`. A scale that brings the longest side near
-    /// one prevents overflow and underflow of the products.
+    /// Half of the surface area of the box, its sides scaled by `scale`. A scale that brings the
+    /// longest side near one prevents overflow and underflow of the products.
     #[inline(always)]
     pub(crate) fn half_area(&self, scale: f32) -> f32 {
         let size = (self.half_size() * scale).max(Vec4::ZERO);
@@ -58,8 +58,9 @@ impl LaneBounds {
 
 /// A primitive reference: the box of a primitive and its id, in the size of one AVX register.
 ///
-/// Lanes 3 and 7 hold the id: its lower 23 bits and the others, as fractions of numbers from 1 to 2. Arithmetic runs
-/// over these lanes too, and a small id stored as it is would be a subnormal number, which is many times slower.
+/// Lanes 3 and 7 hold the id: its lower 23 bits and the others, as fractions of numbers from 1 to
+/// 2. Arithmetic runs over these lanes too, and a small id stored as it is would be a subnormal
+/// number, which is many times slower.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub(crate) struct PrimRef(pub(crate) LaneBounds);
@@ -92,8 +93,8 @@ impl PrimRef {
 
 /// The box that a tree stores for `bounds`, or `None` if it is empty or has a NaN.
 ///
-/// Infinite sides are clamped to the largest finite number: no hit lies beyond it, and sums and differences of
-/// halves stay finite.
+/// Infinite sides are clamped to the largest finite number: no hit lies beyond it, and sums and
+/// differences of halves stay finite.
 pub(crate) fn finite_part(bounds: Aabb) -> Option<Aabb> {
     let (min, max) = (bounds.min.max(Vec3::MIN), bounds.max.min(Vec3::MAX));
     (!bounds.is_empty() && min.cmple(max).all()).then_some(Aabb { min, max })
@@ -137,8 +138,8 @@ impl RangeBounds {
         self.boxes.to_aabb()
     }
 
-    /// Half of the surface area; infinite for boxes longer than the square root of the largest number, which still
-    /// serves to compare siblings.
+    /// Half of the surface area; infinite for boxes longer than the square root of the largest
+    /// number, which still serves to compare siblings.
     pub(crate) fn half_area(&self) -> f32 {
         self.boxes.half_area(1.0)
     }

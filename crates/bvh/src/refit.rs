@@ -15,14 +15,14 @@ pub enum RefitError {
         /// Elements of the slice given to `refit`.
         given: usize,
     },
-    /// An element of the tree cannot be hit any more: its box is empty or has a NaN, or the primitive
-    /// has a number that is not finite, or no extent. The first such element is named.
+    /// An element of the tree cannot be hit any more: its box is empty or has a NaN, or the
+    /// primitive has a number that is not finite, or no extent. The first such element is named.
     BecameEmpty {
         /// Index of the element.
         index: usize,
     },
-    /// An element that was left out of the tree, because it could not be hit when the tree was built,
-    /// can be hit now. The first such element is named.
+    /// An element that was left out of the tree, because it could not be hit when the tree was
+    /// built, can be hit now. The first such element is named.
     NoLongerEmpty {
         /// Index of the element.
         index: usize,
@@ -40,11 +40,13 @@ impl fmt::Display for RefitError {
             }
             Self::BecameEmpty { index } => write!(
                 f,
-                "element {index} is empty or not finite now, and was not when the tree was built: build a new tree"
+                "element {index} is empty or not finite now, and was not when the tree was built: \
+                 build a new tree"
             ),
             Self::NoLongerEmpty { index } => write!(
                 f,
-                "element {index} was empty or not finite when the tree was built, and is not any more: build a new tree"
+                "element {index} was empty or not finite when the tree was built, and is not any \
+                 more: build a new tree"
             ),
         }
     }
@@ -53,8 +55,9 @@ impl fmt::Display for RefitError {
 impl std::error::Error for RefitError {}
 
 impl Tree {
-    /// Compares the elements of a refit with those that the tree was built from: their number, and which of them are
-    /// empty. `ids` are those in the tree; `any_empty` tells, perhaps in parallel, if one of them is empty now.
+    /// Compares the elements of a refit with those that the tree was built from: their number, and
+    /// which of them are empty. `ids` are those in the tree; `any_empty` tells, perhaps in
+    /// parallel, if one of them is empty now.
     pub(crate) fn check_refit(
         &self,
         given: usize,
@@ -83,8 +86,8 @@ impl Tree {
 
     /// Recomputes the boxes of all nodes, bottom-up, from those of the leaves.
     pub(crate) fn refit(&mut self, leaf_bounds: impl Fn(usize) -> Aabb) {
-        // A child is stored behind its parent, also where the top of the tree is joined to subtrees, so a
-        // reverse pass meets children first.
+        // A child is stored behind its parent, also where the top of the tree is joined to
+        // subtrees, so a reverse pass meets children first.
         let mut node_bounds = vec![Aabb::EMPTY; self.nodes.len()];
         for index in (0..self.nodes.len()).rev() {
             let node = &mut self.nodes[index];

@@ -1,8 +1,9 @@
 //! The surface area heuristic, binned.
 //!
-//! The cost of a child is the probability that a ray that meets the parent's box meets the child's (the ratio of
-//! their surface areas) times the number of leaves inside. The candidate planes are the borders between bins of
-//! equal width along each axis, into which references are sorted by their centroids.
+//! The cost of a child is the probability that a ray that meets the parent's box meets the child's
+//! (the ratio of their surface areas) times the number of leaves inside. The candidate planes are
+//! the borders between bins of equal width along each axis, into which references are sorted by
+//! their centroids.
 //!
 //! Sources: J. Goldsmith, J. Salmon, "Automatic creation of object hierarchies for ray tracing",
 //! IEEE CG&A 1987; I. Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007.
@@ -33,7 +34,8 @@ impl BinMapping {
     #[inline(always)]
     fn new(centroids: &CentroidBounds, bins: usize) -> Self {
         let width = 0.5 * centroids.upper - 0.5 * centroids.lower;
-        // An axis without extent has one bin, and so has one so short that the scale would overflow.
+        // An axis without extent has one bin, and so has one so short that the scale would
+        // overflow.
         let scale = Vec4::splat(0.5 * bins as f32) / width;
         let scale = Vec4::select(scale.cmplt(Vec4::INFINITY), scale, Vec4::ZERO);
         Self { start: centroids.lower, scale: scale.with_w(0.0), last: (bins - 1) as f32 }
@@ -161,7 +163,8 @@ impl<const N: usize> Bins<N> {
     }
 }
 
-/// The least number of leaves for `count` references. A leaf is tested as a whole, however few it holds.
+/// The least number of leaves for `count` references. A leaf is tested as a whole, however few it
+/// holds.
 #[inline(always)]
 fn leaf_count(count: u32, leaf_size: u32) -> f32 {
     count.div_ceil(leaf_size) as f32
@@ -251,7 +254,8 @@ pub(crate) fn area_scale(bounds: &RangeBounds) -> f32 {
     if scale.is_finite() { scale } else { 1.0 }
 }
 
-/// Splits `prims` in place, and returns the number of references on the left and the bounds of both sides.
+/// Splits `prims` in place, and returns the number of references on the left and the bounds of both
+/// sides.
 pub(crate) fn partition(
     prims: &mut [PrimRef],
     split: Split,
@@ -277,8 +281,8 @@ fn partition_by_plane(prims: &mut [PrimRef], plane: &SplitPlane) -> usize {
         }
         return count;
     }
-    // Partition the halves in parallel, then swap the right part of the first half with as many references of the
-    // left part of the second.
+    // Partition the halves in parallel, then swap the right part of the first half with as many
+    // references of the left part of the second.
     let middle = prims.len() / 2;
     let (low, high) = prims.split_at_mut(middle);
     let (first, second) =
@@ -291,16 +295,14 @@ fn partition_by_plane(prims: &mut [PrimRef], plane: &SplitPlane) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_random::Random;
     use glam::Vec3;
     use rotund_geometry::Aabb;
 
     #[test]
     fn every_instruction_set_splits_at_the_same_place() {
-        let mut state = 1_u32;
-        let mut number = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 * 2f32.powi(-24)
-        };
+        let mut random = Random(1);
+        let mut number = || random.unit();
         for count in [2, 9, 50, 99, 100, 1000, PARALLEL_CHUNK + 1000] {
             let prims: Vec<PrimRef> = (0..count as u32)
                 .map(|id| {

@@ -9,8 +9,8 @@ use crate::node::WIDTH;
 use crate::simd::StackEntry;
 use std::mem::MaybeUninit;
 
-/// Each of at most [`MAX_DEPTH`] nodes on the way down leaves at most `WIDTH - 1` siblings, and the last write covers
-/// [`WIDTH`] entries.
+/// Each of at most [`MAX_DEPTH`] nodes on the way down leaves at most `WIDTH - 1` siblings, and the
+/// last write covers [`WIDTH`] entries.
 const CAPACITY: usize = (MAX_DEPTH + 2) * WIDTH;
 
 /// The memory of a [`Stack`].

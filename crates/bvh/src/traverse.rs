@@ -41,7 +41,8 @@ fn prefetch<S: Simd>(simd: S, tree: &Tree, visitor: &impl LeafVisitor<S>, child:
     }
 }
 
-/// Calls `visitor` with each leaf whose box the ray meets before the limit, roughly from near to far.
+/// Calls `visitor` with each leaf whose box the ray meets before the limit, roughly from near to
+/// far.
 #[inline(always)]
 pub(crate) fn closest<S: Simd>(
     simd: S,
@@ -101,9 +102,9 @@ pub(crate) fn closest<S: Simd>(
         }
         current = loop {
             let Some(entry) = stack.pop() else { return };
-            // Distances in entries are clamped to zero, and the lane in their low bits increases them a
-            // little; so an entry at zero must pass also if the limit is negative (an interval that ends
-            // behind the origin).
+            // Distances in entries are clamped to zero, and the lane in their low bits increases
+            // them a little; so an entry at zero must pass also if the limit is negative (an
+            // interval that ends behind the origin).
             if entry.near() <= limit.max(f32::MIN_POSITIVE) {
                 break entry.child();
             }
@@ -111,8 +112,8 @@ pub(crate) fn closest<S: Simd>(
     }
 }
 
-/// Calls `visitor` with leaves whose boxes the ray meets before the limit, in no particular order, until it
-/// reports a hit; returns whether it did.
+/// Calls `visitor` with leaves whose boxes the ray meets before the limit, in no particular order,
+/// until it reports a hit; returns whether it did.
 #[inline(always)]
 pub(crate) fn any<S: Simd>(
     simd: S,

@@ -9,15 +9,15 @@ use support::{Ball, Random, ask, ask_any, boxes, loop_over};
 
 fn cloud(random: &mut Random, count: usize, radius: f32) -> Vec<Ball> {
     (0..count)
-        .map(|_| Ball { center: random.point(), radius: radius * (0.1 + random.unit()) })
+        .map(|_| Ball { center: random.in_cube(), radius: radius * (0.1 + random.unit()) })
         .collect()
 }
 
 fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
     (0..count)
         .map(|i| {
-            let origin = 2.0 * random.point();
-            let direction = random.point() * 2f32.powi(i as i32 % 9 - 4);
+            let origin = 2.0 * random.in_cube();
+            let direction = random.in_cube() * 2f32.powi(i as i32 % 9 - 4);
             let mut ray = Ray::new(origin, direction);
             if i % 3 == 0 {
                 ray.t_min = random.unit();
@@ -51,7 +51,7 @@ fn closest_and_any_agree_with_a_loop() {
 }
 
 #[test]
-fn a_tree_built_by_tasks_agrees_with_a_loop() {
+fn a_tree_built_in_parallel_agrees_with_a_loop() {
     let mut random = Random(9);
     let balls = cloud(&mut random, 100_000, 0.01);
     let bvh = Bvh::build(&boxes(&balls));
@@ -80,16 +80,16 @@ fn the_interval_shrinks_to_the_closest_hit_so_far() {
         (0..100).map(|i| Ball { center: Vec3::X * i as f32, radius: 0.25 }).collect();
     let bvh = Bvh::build(&boxes(&row));
     let ray = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
-    let (mut asked, mut bound) = (0, f32::INFINITY);
+    let (mut visited, mut bound) = (0, f32::INFINITY);
     let hit = bvh.closest(&ray, |id, ray| {
-        asked += 1;
+        visited += 1;
         assert!(ray.t_max <= bound, "t_max grew from {bound} to {}", ray.t_max);
         let t = row[id as usize].closest(ray)?;
         bound = t;
         Some((t, id))
     });
     assert_eq!(hit, Some(Found { id: 0, t: 0.75, value: 0 }));
-    assert!(asked <= 8, "asked {asked} balls of 100 behind the first");
+    assert!(visited <= 8, "visited {visited} balls of 100 behind the first");
 }
 
 #[test]
@@ -105,20 +105,20 @@ fn an_answer_outside_the_interval_is_a_miss() {
 }
 
 #[test]
-fn each_id_is_asked_at_most_once() {
+fn each_id_is_visited_at_most_once() {
     let mut random = Random(5);
     let balls = cloud(&mut random, 1000, 0.3);
     let bvh = Bvh::build(&boxes(&balls));
     for ray in rays(&mut random, 100) {
-        let mut asked = vec![0; balls.len()];
+        let mut visited = vec![0; balls.len()];
         assert!(
             !bvh.any(&ray, |id, _| {
-                asked[id as usize] += 1;
+                visited[id as usize] += 1;
                 false
             }),
             "nothing answered true"
         );
-        assert!(asked.iter().all(|&count| count <= 1), "{ray:?}");
+        assert!(visited.iter().all(|&count| count <= 1), "{ray:?}");
     }
 }
 
@@ -128,14 +128,14 @@ fn trees_nest() {
     let mut random = Random(8);
     let balls = cloud(&mut random, 50, 0.3);
     let inner = Bvh::build(&boxes(&balls));
-    let moves: Vec<Vec3> = (0..40).map(|_| 8.0 * random.point()).collect();
+    let moves: Vec<Vec3> = (0..40).map(|_| 8.0 * random.in_cube()).collect();
     let outer: Vec<Aabb> = moves
         .iter()
         .map(|&by| Aabb { min: inner.bounds().min + by, max: inner.bounds().max + by })
         .collect();
     let outer = Bvh::build(&outer);
     for _ in 0..1000 {
-        let ray = Ray::new(10.0 * random.point(), random.point());
+        let ray = Ray::new(10.0 * random.in_cube(), random.in_cube());
         let moved = |by: Vec3, ray: &Ray| Ray { origin: ray.origin - by, ..*ray };
         let found = outer.closest(&ray, |instance, ray| {
             let (ball, t) = ask(&inner, &balls, &moved(moves[instance as usize], ray))?;
@@ -162,7 +162,7 @@ fn a_refitted_tree_answers_as_one_that_is_built_anew() {
     let mut bvh = Bvh::build(&boxes(&balls));
     for step in 0..4 {
         for ball in &mut balls {
-            ball.center += 0.3 * random.point();
+            ball.center += 0.3 * random.in_cube();
         }
         bvh.refit(&boxes(&balls)).expect("as many balls as before");
         let fresh = Bvh::build(&boxes(&balls));

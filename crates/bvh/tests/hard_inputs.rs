@@ -163,7 +163,7 @@ fn a_flat_scene_works() {
     for axis in 0..3 {
         let flat: Vec<Aabb> = (0..1000)
             .map(|_| {
-                let mut corner = random.point();
+                let mut corner = random.in_cube();
                 corner[axis] = 0.5;
                 let mut size = Vec3::splat(0.1);
                 size[axis] = 0.0;

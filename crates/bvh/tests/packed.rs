@@ -1,4 +1,5 @@
-//! Packed trees give, to the bit, the answer of a loop over all primitives, with every instruction set.
+//! Packed trees give, to the bit, the answer of a loop over all primitives, with every instruction
+//! set.
 
 mod support;
 
@@ -9,7 +10,7 @@ use rotund_bvh::{
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use support::Random;
 
-/// What is asked of a tree, for all kinds alike.
+/// The closest hit, and whether there is any.
 type Answer = (Option<PrimitiveHit>, bool);
 
 /// The loop: lowest id among the smallest `t`.
@@ -63,20 +64,20 @@ fn quad(p: &BilinearPatch) -> vanilla::Quad {
 
 fn spheres(random: &mut Random, count: usize, size: f32) -> Vec<Sphere> {
     (0..count)
-        .map(|_| Sphere { center: random.point(), radius: size * (0.01 + random.unit()) })
+        .map(|_| Sphere { center: random.in_cube(), radius: size * (0.01 + random.unit()) })
         .collect()
 }
 
 fn cones(random: &mut Random, count: usize, size: f32) -> Vec<RoundedCone> {
     (0..count)
         .map(|i| {
-            let p0 = random.point();
+            let p0 = random.in_cube();
             // Long and thin, short and thick, and one ball in the other.
             let length = size * 2f32.powi(i as i32 % 7 - 4);
             RoundedCone {
                 p0,
                 r0: 0.2 * size * random.unit(),
-                p1: p0 + length * random.point(),
+                p1: p0 + length * random.in_cube(),
                 r1: 0.2 * size * random.unit(),
             }
         })
@@ -86,9 +87,9 @@ fn cones(random: &mut Random, count: usize, size: f32) -> Vec<RoundedCone> {
 fn patches(random: &mut Random, count: usize, size: f32) -> Vec<BilinearPatch> {
     (0..count)
         .map(|i| {
-            let p00 = random.point();
-            let (u, v) = (size * random.point(), size * random.point());
-            let twist = size * random.point() * [0.0, 0.1, 1.0][i % 3];
+            let p00 = random.in_cube();
+            let (u, v) = (size * random.in_cube(), size * random.in_cube());
+            let twist = size * random.in_cube() * [0.0, 0.1, 1.0][i % 3];
             BilinearPatch { p00, p10: p00 + u, p01: p00 + v, p11: p00 + u + v + twist }
         })
         .collect()
@@ -97,18 +98,19 @@ fn patches(random: &mut Random, count: usize, size: f32) -> Vec<BilinearPatch> {
 fn triangles(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
     (0..count)
         .map(|_| {
-            let p0 = random.point();
-            Triangle { p0, p1: p0 + size * random.point(), p2: p0 + size * random.point() }
+            let p0 = random.in_cube();
+            Triangle { p0, p1: p0 + size * random.in_cube(), p2: p0 + size * random.in_cube() }
         })
         .collect()
 }
 
-/// From near and far, in and along the axes, with directions of many lengths and with intervals.
+/// Rays from near and far, some perpendicular to an axis, with directions of many lengths and with
+/// various intervals.
 fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
     (0..count)
         .map(|i| {
-            let origin = random.point() * [1.0, 2.0, 100.0][i % 3];
-            let mut direction = random.point() - origin;
+            let origin = random.in_cube() * [1.0, 2.0, 100.0][i % 3];
+            let mut direction = random.in_cube() - origin;
             if i % 5 == 0 {
                 direction[i / 5 % 3] = 0.0;
             }
@@ -125,8 +127,8 @@ fn rays(random: &mut Random, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// Miri, which checks each access of the vector code, takes seconds for what else takes microseconds: it has
-/// these few, on trees small enough for one thread.
+/// These few rays, on trees small enough for one thread, are for Miri, which checks each memory
+/// access of the vector code and is slower by a factor of a million.
 #[test]
 fn small_trees_agree_with_a_loop() {
     for count in [24, 30] {
@@ -177,7 +179,7 @@ fn triangles_agree_with_a_loop() {
 
 #[test]
 fn rays_that_graze_agree_with_a_loop() {
-    // Aimed at the very edge of what they are to hit, from ever farther away.
+    // Aimed at silhouettes and edges, from ever larger distances.
     let mut random = Random(77);
     let balls = spheres(&mut random, 500, 0.05);
     let tubes = cones(&mut random, 500, 0.2);
@@ -186,10 +188,10 @@ fn rays_that_graze_agree_with_a_loop() {
         (0..2000)
             .map(|i| {
                 let (target, radius) = targets(&mut random);
-                let direction = random.point().normalize();
-                let beside = direction.cross(random.point()).normalize();
+                let direction = random.in_cube().normalize();
+                let perpendicular = direction.cross(random.in_cube()).normalize();
                 let distance = 4f32.powi(i % 10 - 2);
-                Ray::new(target + radius * beside - distance * direction, direction)
+                Ray::new(target + radius * perpendicular - distance * direction, direction)
             })
             .collect()
     };
@@ -219,11 +221,11 @@ fn rays_that_leave_a_surface_agree_with_a_loop() {
     let mut leaving = |on: &mut dyn FnMut(&mut Random) -> Vec3| -> Vec<Ray> {
         (0..3000)
             .map(|i| {
-                let away = random.point().normalize();
-                // On the surface to the last bit, or off it by ever more.
+                let away = random.in_cube().normalize();
+                // On the surface up to rounding, or at ever larger distances from it.
                 let offset = if i % 4 == 0 { 0.0 } else { 2f32.powi(-(i % 30)) };
                 let ray = Ray::new(on(&mut random) + offset * away, away);
-                // Back into the surface, or with what it left in the interval.
+                // Away from the surface, back through it, or with the surface in the interval.
                 match i % 3 {
                     0 => ray,
                     1 => Ray::new(ray.origin, -1024.0 * away),
@@ -323,10 +325,10 @@ fn a_packed_tree_agrees_with_a_tree_of_boxes() {
     for isa in Isa::available() {
         let (packed, plain) = (packed.clone().with_isa(isa), plain.clone().with_isa(isa));
         for ray in rays(&mut random, 5000) {
-            let asked = plain
+            let expected = plain
                 .closest(&ray, |id, ray| balls[id as usize].closest(ray).map(|hit| (hit.t, hit)))
                 .map(|found| PrimitiveHit { id: found.id, hit: found.value });
-            assert_eq!(packed.closest(&ray, Method::Enhanced), asked, "{isa:?}, {ray:?}");
+            assert_eq!(packed.closest(&ray, Method::Enhanced), expected, "{isa:?}, {ray:?}");
         }
     }
 }
@@ -388,7 +390,7 @@ fn a_tree_that_is_refitted_agrees_with_a_loop() {
     let mut balls = spheres(&mut random, 20_000, 0.02);
     let mut tree = SphereTree::build(&balls);
     for ball in &mut balls {
-        ball.center = 0.5 * ball.center + 0.3 * random.point();
+        ball.center = 0.5 * ball.center + 0.3 * random.in_cube();
     }
     tree.refit(&balls).expect("as many balls as before, none without radius");
     assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());

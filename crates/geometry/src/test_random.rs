@@ -1,5 +1,5 @@
-//! Seeded random numbers for the tests and benches of this crate, which include this file by its
-//! path.
+//! Seeded random numbers for the tests and benches of this crate and of `rotund-bvh`, which include
+//! this file by its path.
 #![allow(dead_code, reason = "each of them uses a part")]
 
 use glam::{DVec3, Vec3};
@@ -17,6 +17,16 @@ impl Random {
 
     pub(crate) fn range(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    /// A number in `0.0..1.0`.
+    pub(crate) fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 * 2_f32.powi(-24)
+    }
+
+    /// An index below `count`.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        (self.bits() % count as u64) as usize
     }
 
     /// A unit vector, distributed uniformly.

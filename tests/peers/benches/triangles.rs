@@ -1,8 +1,10 @@
-//! Building trees over triangles and asking for the closest hit, in this library and in the crates `bvh` and
-//! `obvhs`, all on all threads. Every tree must hit as often as the others, within a thousandth.
+//! Builds of trees over triangles and closest-hit queries, in this library and in the crates `bvh`
+//! and `obvhs`. Builds use all threads, queries one. The numbers of hits of the three must agree
+//! within a thousandth of the rays.
 //!
-//! `bvh` has no interval that shrinks: all triangles whose boxes the ray meets are tested. `obvhs` walks
-//! an eight-wide tree with boxes of eight bits; it is built with its preset for medium quality.
+//! The interval of a ray does not shrink in `bvh`: all triangles whose boxes the ray meets are
+//! tested. `obvhs` traverses an eight-wide tree with boxes quantised to eight bits, built with its
+//! preset for medium quality.
 
 use bvh::bounding_hierarchy::BoundingHierarchy;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -41,7 +43,7 @@ fn sheet() -> Vec<Triangle> {
         .collect()
 }
 
-/// A triangle as the crate `bvh` wants it.
+/// A triangle with the traits that the crate `bvh` requires.
 struct Shape {
     corners: [nalgebra::Point3<f32>; 3],
     node: usize,

@@ -58,8 +58,8 @@ pub(crate) struct ClosestVisitor<'a, S: Simd, P: Kernel, M> {
 
 /// The closest hit so far.
 ///
-/// The exact test of a certain hit is deferred until another candidate could be nearer: most rays need a single
-/// exact test, that of the closest primitive.
+/// The exact test of a certain hit is deferred until another candidate could be nearer: most rays
+/// need a single exact test, that of the closest primitive.
 #[derive(Clone, Copy)]
 struct Best {
     id: u32,
@@ -83,8 +83,8 @@ impl<'a, S: Simd, P: Kernel, M: MethodTag> ClosestVisitor<'a, S, P, M> {
         Self { packed, ray, slab_ray, lanes, best: Best::NONE, method: PhantomData }
     }
 
-    /// The exact `t` of a primitive, in the whole interval of the ray and not the shrunken one, so that the caller can
-    /// break ties.
+    /// The exact `t` of a primitive, in the whole interval of the ray and not the shrunken one, so
+    /// that the caller can break ties.
     #[inline(always)]
     fn exact(&self, simd: S, block: usize, lane: usize) -> Option<f32> {
         exact_t::<S, P, M>(simd, &self.packed.blocks[block], lane, self.ray)

@@ -3,15 +3,16 @@
 //! # The wide test
 //!
 //! A ray that hits comes within the larger radius of the axis; the same holds for the vanilla line.
-//! Projected along the ray, the axis is a segment from `a` to `b` in a plane and the ray is the origin of
-//! the plane. The point of the segment closest to it, at `s = clamp(a·(a - b) / |a - b|²)`, has the
-//! distance of the ray from the axis.
+//! Projected along the ray, the axis is a segment from `a` to `b` in a plane and the ray is the
+//! origin of the plane. The point of the segment closest to it, at
+//! `s = clamp(a·(a - b) / |a - b|²)`, has the distance of the ray from the axis.
 //!
-//! As for spheres, the errors of the ends are less than `e = 12 u D`, where `D` is the distance of an end
-//! from the origin of the ray. An error of `s` moves the point along the segment by at most
-//! `min(|b - a|, |a| e / |b - a|)`. Its maximum, `sqrt(|a| e)`, adds `|a| e` to the squared distance; where
-//! that matters `|a|` is about `r`, so that it is covered by counting `r e < (r + e)² - r²` once more.
-//! So a lane is kept if `distance² <= (1 + 2^-9) r² + 2^-28 D²`, which is more than `(r + 3 e)²`.
+//! As for spheres, the errors of the ends are less than `e = 12 u D`, where `D` is the distance of
+//! an end from the origin of the ray. An error of `s` moves the point along the segment by at most
+//! `min(|b - a|, |a| e / |b - a|)`. Its maximum, `sqrt(|a| e)`, adds `|a| e` to the squared
+//! distance; where that matters `|a|` is about `r`, so that it is covered by counting
+//! `r e < (r + e)² - r²` once more. So a lane is kept if `distance² <= (1 + 2^-9) r² + 2^-28 D²`,
+//! which is more than `(r + 3 e)²`.
 //!
 //! The first hit is not before the nearer of the two points where the balls begin along the ray.
 

@@ -1,32 +1,33 @@
 //! Ray space, in which the wide tests of patches and triangles work.
 //!
-//! A translation moves the origin of the ray to zero, and a shear turns its direction to the dominant axis
-//! `z`. The line then meets the convex hull of corners if zero lies in the hull of their `(x, y)`.
+//! A translation moves the origin of the ray to zero, and a shear turns its direction to the
+//! dominant axis `z`. The line then meets the convex hull of corners if zero lies in the hull of
+//! their `(x, y)`.
 //!
 //! # Errors of areas
 //!
-//! With `u = 2^-24`, `S` the longest side of the box of the corners and `Z` the largest `|z|`, the error of
-//! a sheared coordinate is less than `4 u (|x| + |z|)`. If the line meets the hull, all corners are within
-//! `2 S` of zero, since the slopes of the shear are at most one. So the error of a signed area
-//! `x_i y_j - x_j y_i` is then less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`. The bound in use,
-//! `2^-18 S (|z_0| + 4 S)` with the `z_0` of any one corner, exceeds this. An area within the bound counts
-//! as positive and as negative.
+//! With `u = 2^-24`, `S` the longest side of the box of the corners and `Z` the largest `|z|`, the
+//! error of a sheared coordinate is less than `4 u (|x| + |z|)`. If the line meets the hull, all
+//! corners are within `2 S` of zero, since the slopes of the shear are at most one. So the error of
+//! a signed area `x_i y_j - x_j y_i` is then less than `4 · 2 S · 4 u (2 S + Z) + 8 u S²`. The
+//! bound in use, `2^-18 S (|z_0| + 4 S)` with the `z_0` of any one corner, exceeds this. An area
+//! within the bound counts as positive and as negative.
 //!
-//! A certain hit must not presuppose that the line passes near. So it requires `x_0` and `y_0` of at most
-//! `2 S`, which puts all corners within `4 S`, and areas beyond four times the bound.
+//! A certain hit must not presuppose that the line passes near. So it requires `x_0` and `y_0` of
+//! at most `2 S`, which puts all corners within `4 S`, and areas beyond four times the bound.
 //!
-//! # Crossings before and behind the origin
+//! # Crossings in front of and behind the origin
 //!
-//! A ray that leaves a surface has its crossing with that surface behind it. If the line meets a triangle,
-//! the areas are weights of the corners, all of the sign of their sum. So the sign of the volume
-//! `a_12 z_0 + a_20 z_1 + a_01 z_2` tells whether the crossing is before or behind the origin. With `E` the
-//! error of an area, the error of the volume is less than `3 E Z`, and `96 u S² Z` from rounding; the bound
-//! in use is `4 E (|z_0| + S)`.
+//! A ray that leaves a surface has its crossing with that surface behind it. If the line meets a
+//! triangle, the areas are weights of the corners, all of the sign of their sum. So the sign of the
+//! volume `a_12 z_0 + a_20 z_1 + a_01 z_2` tells whether the crossing is in front of or behind
+//! the origin. With `E` the error of an area, the error of the volume is less than `3 E Z`, and
+//! `96 u S² Z` from rounding; the bound in use is `4 E (|z_0| + S)`.
 //!
-//! The volume over the sum of the areas, whose error is less than `4 E`, is the `z` of the crossing. As
-//! that is `Z` at most, the error of the quotient is less than the sum of both errors, `8 E (|z_0| + S)`,
-//! over the computed sum. For a triangle that is large compared with its distance this range is much
-//! narrower than that of the `z` of its corners.
+//! The volume over the sum of the areas, whose error is less than `4 E`, is the `z` of the
+//! crossing. As that is `Z` at most, the error of the quotient is less than the sum of both errors,
+//! `8 E (|z_0| + S)`, over the computed sum. For a triangle that is large compared with its
+//! distance this range is much narrower than that of the `z` of its corners.
 
 use super::kernel::Candidates;
 use super::vec3::{self, dot, splat, sub};
@@ -65,7 +66,8 @@ impl<S: Simd> FlatLanes<S> {
             usize::from(size.x > size.z),
             usize::from(size.y > size.z),
         ];
-        // 0 if x is the largest, 1 if y is, else 2. Branch-free: the dominant axis is unpredictable.
+        // 0 if x is the largest, 1 if y is, else 2. Branch-free: the dominant axis is
+        // unpredictable.
         let z = 2 - (2 * (greater[0] & greater[1]) + (greater[2] & (greater[0] ^ 1)));
         let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
         let axes = [x, y, z];
@@ -105,7 +107,8 @@ impl<S: Simd> FlatLanes<S> {
         simd.mul_add(error, depth, simd.splat(f32::MIN_POSITIVE))
     }
 
-    /// Lanes whose outline certainly winds around the ray. `smallest` and `largest` are the extremes of its signed areas.
+    /// Lanes whose outline certainly winds around the ray. `smallest` and `largest` are the
+    /// extremes of its signed areas.
     #[inline(always)]
     pub(crate) fn certain_inside(
         &self,
@@ -122,7 +125,8 @@ impl<S: Simd> FlatLanes<S> {
         winds & simd.mask_le(distance, simd.add(size, size))
     }
 
-    /// Lanes whose triangle the line may cross in front of the origin (or anywhere, if the interval starts behind it).
+    /// Lanes whose triangle the line may cross in front of the origin (or anywhere, if the interval
+    /// starts behind it).
     #[inline(always)]
     pub(crate) fn crossing_ahead(
         &self,
@@ -139,8 +143,8 @@ impl<S: Simd> FlatLanes<S> {
             | negative & (self.starts_behind | simd.mask_not_gt(volume, slack))
     }
 
-    /// Restricts the lanes that the line possibly and certainly crosses to crossings in the interval of the ray up to
-    /// `limit`. `smallest` and `largest` bound the `z` of a crossing.
+    /// Restricts the lanes that the line possibly and certainly crosses to crossings in the
+    /// interval of the ray up to `limit`. `smallest` and `largest` bound the `z` of a crossing.
     #[inline(always)]
     pub(crate) fn candidates(
         &self,
@@ -189,7 +193,8 @@ pub(crate) fn z_range<S: Simd>(simd: S, corners: &[Corner<S>]) -> [S::Lanes; 2] 
     [smallest, largest]
 }
 
-/// Narrows the range of `z` in which the line may cross a triangle by its areas and volume, as derived above.
+/// Narrows the range of `z` in which the line may cross a triangle by its areas and volume, as
+/// derived above.
 #[inline(always)]
 pub(crate) fn crossing_range<S: Simd>(
     simd: S,
@@ -199,8 +204,8 @@ pub(crate) fn crossing_range<S: Simd>(
 ) -> [S::Lanes; 2] {
     let inverse = simd.div(simd.splat(1.0), simd.add(simd.add(a, b), c));
     let z = simd.mul(volume, inverse);
-    // Twice the slack bounds the error; the third covers rounding. The quotient adds its own rounding, which is
-    // infinite if it overflows.
+    // Twice the slack bounds the error; the third covers rounding. The quotient adds its own
+    // rounding, which is infinite if it overflows.
     let slack = simd.mul(slack, simd.splat(3.0));
     let slack = simd.mul_add(simd.abs(volume), simd.splat(2f32.powi(-20)), slack);
     let error = simd.mul(slack, simd.abs(inverse));

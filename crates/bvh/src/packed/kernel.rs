@@ -1,4 +1,5 @@
-//! The interface of a primitive to packed leaves: its block of eight, its wide test, its exact test.
+//! The interface of a primitive to packed leaves: its block of eight, its wide test, its exact
+//! test.
 
 use super::method_tag::MethodTag;
 use crate::node::WIDTH;
@@ -6,8 +7,8 @@ use crate::simd::Simd;
 use crate::slab::SlabRay;
 use rotund_geometry::{Aabb, Hit, Method, Primitive, Ray};
 
-/// Up to [`WIDTH`] primitives, one row per number of a primitive, and their ids. Unused lanes repeat the
-/// primitive of the first lane and have the id [`NO_ID`].
+/// Up to [`WIDTH`] primitives, one row per number of a primitive, and their ids. Unused lanes
+/// repeat the primitive of the first lane and have the id [`NO_ID`].
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub struct Block<const ROWS: usize> {
@@ -26,8 +27,8 @@ impl<const ROWS: usize> Block<ROWS> {
     }
 }
 
-/// A block aligned to cache lines, so that a block whose size is a multiple of a line does not straddle
-/// one more.
+/// A block aligned to cache lines, so that a block whose size is a multiple of a line does not
+/// straddle one more.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Aligned<B>(pub(crate) B);
@@ -78,9 +79,9 @@ pub trait Kernel: Primitive + Copy + Send + Sync {
     type Vanilla: Primitive;
     /// The block of eight primitives.
     type Block: Clone + std::fmt::Debug + Send + Sync + HasIds;
-    /// Whether the exact test is an outlined call. Traversal of round primitives gains 10 % from the
-    /// registers that this frees; the wide test of flat ones needs so many that saving them around the
-    /// call costs as much.
+    /// Whether the exact test is an outlined call. Traversal of round primitives gains 10 % from
+    /// the registers that this frees; the wide test of flat ones needs so many that saving them
+    /// around the call costs as much.
     const OUTLINE_EXACT_TEST: bool;
     /// The ray, prepared for [`Kernel::candidates`].
     type Lanes<S: Simd>: Copy;

@@ -2,8 +2,8 @@
 
 use rotund_geometry::Method;
 
-/// A [`Method`] as a type, so that traversal is compiled separately for each method. The trait cannot be
-/// named outside this crate.
+/// A [`Method`] as a type, so that traversal is compiled separately for each method. The trait
+/// cannot be named outside this crate.
 pub trait MethodTag {
     /// The method.
     const METHOD: Method;

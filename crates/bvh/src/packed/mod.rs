@@ -1,9 +1,9 @@
 //! Trees whose leaves hold the primitives themselves.
 //!
-//! A leaf is one block of up to eight primitives, adjacent in memory and in the order of the tree. A wide
-//! test in single precision, with an error bound, rejects those that the ray cannot hit. The others are
-//! unpacked, to the bit, and given to the exact test of the geometry crate, nearest first. So the answer
-//! is that of a loop over all primitives.
+//! A leaf is one block of up to eight primitives, adjacent in memory and in the order of the tree.
+//! A wide test in single precision, with an error bound, rejects those that the ray cannot hit. The
+//! others are unpacked, to the bit, and given to the exact test of the geometry crate, nearest
+//! first. So the answer is that of a loop over all primitives.
 
 mod any;
 mod closest;
@@ -65,9 +65,9 @@ pub type TriangleTree = Packed<Triangle>;
 /// A tree over primitives of one kind, written as [`SphereTree`], [`ConeTree`], [`PatchTree`] or
 /// [`TriangleTree`].
 ///
-/// Each primitive is known by its index in the slice that the tree was built from. The tree has its own
-/// copy of the primitives, so the slice need not be kept. The [`Method`] is chosen for each query, and the
-/// same tree serves both.
+/// Each primitive is known by its index in the slice that the tree was built from. The tree has its
+/// own copy of the primitives, so the slice need not be kept. The [`Method`] is chosen for each
+/// query, and the same tree serves both.
 #[derive(Clone, Debug)]
 pub struct Packed<P: Kernel> {
     tree: Tree,
@@ -77,10 +77,11 @@ pub struct Packed<P: Kernel> {
 }
 
 impl<P: Kernel> Packed<P> {
-    /// Builds a tree on all threads of the current rayon pool. The tree does not depend on their number.
+    /// Builds a tree on all threads of the current rayon pool. The tree does not depend on their
+    /// number.
     ///
-    /// Primitives that no ray can hit (with a number that is not finite, or spheres without radius) are
-    /// left out.
+    /// Primitives that no ray can hit (with a number that is not finite, or spheres without radius)
+    /// are left out.
     ///
     /// # Panics
     ///
@@ -123,8 +124,9 @@ impl<P: Kernel> Packed<P> {
         Self { isa, ..self }
     }
 
-    /// Returns the primitive that the ray hits with the smallest `t` in `ray.t_min..=ray.t_max`, and the hit. A tie
-    /// goes to the lowest id: the answer is that of a loop over all primitives, to the bit.
+    /// Returns the primitive that the ray hits with the smallest `t` in `ray.t_min..=ray.t_max`,
+    /// and the hit. A tie goes to the lowest id: the answer is that of a loop over all primitives,
+    /// to the bit.
     ///
     /// A ray whose origin or direction is not finite, or whose direction is zero, hits nothing.
     #[must_use]

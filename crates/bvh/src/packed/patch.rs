@@ -2,9 +2,10 @@
 //!
 //! # The wide test
 //!
-//! In ray space (`flat.rs`) the origin lies inside a triangle if its three signed areas have the same sign, so if the
-//! smallest is not negative or the largest not positive. The vanilla shape is two triangles. The patch lies in the
-//! tetrahedron of its corners, whose projection is the union of the projections of its four faces.
+//! In ray space (`flat.rs`) the origin lies inside a triangle if its three signed areas have the
+//! same sign, so if the smallest is not negative or the largest not positive. The vanilla shape is
+//! two triangles. The patch lies in the tetrahedron of its corners, whose projection is the union
+//! of the projections of its four faces.
 
 use super::flat::{FlatLanes, largest_side, max3, min3, signed_area, volume, z_range};
 use super::kernel::{Aligned, Block, Candidates, Kernel};
@@ -14,7 +15,8 @@ use crate::simd::Simd;
 use crate::slab::SlabRay;
 use rotund_geometry::{Aabb, BilinearPatch, Method, vanilla};
 
-/// Rows of the block: the corners p00, p10, p11, p01 (around the patch), and the longest side of their box.
+/// Rows of the block: the corners p00, p10, p11, p01 (around the patch), and the longest side of
+/// their box.
 impl Kernel for BilinearPatch {
     type Vanilla = vanilla::Quad;
     type Block = Aligned<Block<13>>;

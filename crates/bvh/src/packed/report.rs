@@ -25,8 +25,8 @@ pub struct Statistics {
     pub depth: usize,
     /// Size of nodes and leaves in bytes.
     pub bytes: usize,
-    /// Cost by the surface area heuristic: the mean number of nodes and leaves that a random line through
-    /// the box of the tree visits.
+    /// Cost by the surface area heuristic: the mean number of nodes and leaves that a random line
+    /// through the box of the tree visits.
     pub sah: f64,
 }
 
@@ -78,8 +78,8 @@ impl<P: Kernel> Packed<P> {
         statistics
     }
 
-    /// Returns what [`Packed::closest`] visits for this ray. This counts for the portable instruction set; the numbers
-    /// of other sets differ by a few in a million.
+    /// Returns what [`Packed::closest`] visits for this ray. This counts for the portable
+    /// instruction set; the numbers of other sets differ by a few in a million.
     #[must_use]
     pub fn visits(&self, ray: &Ray, method: Method) -> Visits {
         match method {

@@ -3,22 +3,23 @@
 //! # The wide test
 //!
 //! With `f = c - o`, the line passes the centre at the parameter `t = f·d / d·d`, at the distance
-//! `|f - t d|`. In `f32`, with `u = 2^-24` and `D = |f|`: each coordinate of `f` is rounded by `u`, the
-//! dot product has an error of `3 u D |d|`, `1 / d·d` one of `4 u`, and `t d` is subtracted with an error
-//! below `2 u D`. An error of `t` itself moves the vector only along `d`. In total the error of the
-//! distance is less than `e = 12 u D`. A lane is kept if
+//! `|f - t d|`. In `f32`, with `u = 2^-24` and `D = |f|`: each coordinate of `f` is rounded by `u`,
+//! the dot product has an error of `3 u D |d|`, `1 / d·d` one of `4 u`, and `t d` is subtracted
+//! with an error below `2 u D`. An error of `t` itself moves the vector only along `d`. In total
+//! the error of the distance is less than `e = 12 u D`. A lane is kept if
 //!
 //! ```text
 //! distance² <= (1 + 2^-9) r² + 2^-31 D²
 //! ```
 //!
-//! The right side exceeds `(r + e)² <= (1 + 2^-9) r² + (1 + 2^9) e²`: the radius grows by a thousandth, or
-//! by `2^-15.5` of the distance. The smallest normal number is added for squares that underflow.
+//! The right side exceeds `(r + e)² <= (1 + 2^-9) r² + (1 + 2^9) e²`: the radius grows by a
+//! thousandth, or by `2^-15.5` of the distance. The smallest normal number is added for squares
+//! that underflow.
 //!
-//! The hits of both methods are within half a chord of `t`, and the right side above minus the left bounds
-//! the squared half chord. With `1 - 2^-9` and `-2^-31` instead, the difference is less than the squared
-//! half chord, and if it is positive the sphere is certainly hit. The error of `t`, below `12 u D / |d|`,
-//! is covered by `2^-19 (|t| + r / |d|)`.
+//! The hits of both methods are within half a chord of `t`, and the right side above minus the left
+//! bounds the squared half chord. With `1 - 2^-9` and `-2^-31` instead, the difference is less than
+//! the squared half chord, and if it is positive the sphere is certainly hit. The error of `t`,
+//! below `12 u D / |d|`, is covered by `2^-19 (|t| + r / |d|)`.
 
 use super::kernel::{Block, Candidates, Kernel};
 use super::method_tag::MethodTag;
@@ -96,8 +97,9 @@ impl Kernel for Sphere {
         if matches!(M::METHOD, Method::Vanilla) {
             return Candidates { possible, certain: 0, near: first, far };
         }
-        // The same with the errors in the other direction. Where this square root is real, the ray enters
-        // the sphere at the resulting parameter at the latest. A lane with a NaN is not certain.
+        // The same with the errors in the other direction. Where this square root is real, the ray
+        // enters the sphere at the resulting parameter at the latest. A lane with a NaN is not
+        // certain.
         let less = simd.add(simd.add(error, distance), simd.splat(f32::MIN_POSITIVE));
         let square = simd.mul(radius, radius);
         let half_square = simd.sub(simd.mul(square, simd.splat(1.0 - 1.0 / 512.0)), less);

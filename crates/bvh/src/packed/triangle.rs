@@ -1,6 +1,7 @@
 //! Triangles, which are the same with both methods.
 //!
-//! The wide test rejects a triangle if its three signed areas in ray space (`flat.rs`) have different signs.
+//! The wide test rejects a triangle if its three signed areas in ray space (`flat.rs`) have
+//! different signs.
 
 use super::flat::{
     FlatLanes, crossing_range, largest_side, max3, min3, signed_area, volume, z_range,

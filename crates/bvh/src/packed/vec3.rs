@@ -1,8 +1,8 @@
 //! Vectors of three coordinates in eight lanes.
 //!
-//! These are functions and not closures: a closure is compiled as a function of its own, without the
-//! instruction set of its caller, and may then be too large to be inlined. The same holds for all code
-//! that is compiled once for each instruction set.
+//! These are functions and not closures: a closure is compiled as a function of its own, without
+//! the instruction set of its caller, and may then be too large to be inlined. The same holds for
+//! all code that is compiled once for each instruction set.
 
 use crate::node::WIDTH;
 use crate::simd::Simd;

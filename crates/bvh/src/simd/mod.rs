@@ -1,8 +1,8 @@
 //! Eight lanes of `f32`, with the operations that building, traversal and packed leaves need.
 //!
-//! Results of these operations only decide which boxes and primitives are tested next, with conservative error
-//! bounds. So implementations may round differently (one fuses multiplications and additions, another does not), and
-//! the answers of a tree are still the same to the bit.
+//! Results of these operations only decide which boxes and primitives are tested next, with
+//! conservative error bounds. So implementations may round differently (one fuses multiplications
+//! and additions, another does not), and the answers of a tree are still the same to the bit.
 
 mod portable;
 #[cfg(target_arch = "x86_64")]
@@ -19,8 +19,8 @@ pub(crate) use x86::{Avx2, Avx512};
 pub trait WithSimd {
     type Output;
 
-    /// Implementations are `#[inline(always)]`, and so are all functions that they call with `simd`: only code that is
-    /// inlined into [`Simd::run`] is compiled for the instruction set.
+    /// Implementations are `#[inline(always)]`, and so are all functions that they call with
+    /// `simd`: only code that is inlined into [`Simd::run`] is compiled for the instruction set.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
@@ -64,8 +64,8 @@ pub trait Simd: Copy {
     /// Bit `i` is set unless `a > b` in lane `i`; so it is set if either is NaN.
     fn mask_not_gt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
 
-    /// Writes stack entries for the children in `mask`, which are at least two, farthest first. The entries of `out`
-    /// after them are unspecified.
+    /// Writes stack entries for the children in `mask`, which are at least two, farthest first. The
+    /// entries of `out` after them are unspecified.
     fn order(
         self,
         near: Self::Lanes,
@@ -75,8 +75,8 @@ pub trait Simd: Copy {
     );
 }
 
-/// A child on the traversal stack: the bits of the parameter at which the ray enters it, clamped to zero, above those
-/// of the child. Integers compare as the parameters do.
+/// A child on the traversal stack: the bits of the parameter at which the ray enters it, clamped to
+/// zero, above those of the child. Integers compare as the parameters do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(transparent)]
 pub struct StackEntry(pub(crate) u64);

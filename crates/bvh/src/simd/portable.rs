@@ -1,5 +1,6 @@
-//! Eight lanes as an array: the reference that the faster versions are tested against, and the implementation where
-//! there is no faster one. The compiler turns it into pairs of SSE2 or NEON instructions.
+//! Eight lanes as an array: the reference that the faster versions are tested against, and the
+//! implementation where there is no faster one. The compiler turns it into pairs of SSE2 or NEON
+//! instructions.
 
 use super::{Simd, StackEntry, WithSimd, order_by_insertion};
 use crate::node::{Child, WIDTH};

@@ -24,8 +24,8 @@ impl Avx2 {
 
 /// Proof that the processor supports the features of [`Avx2`] and AVX-512 F, VL, DQ and BW.
 ///
-/// Only 256-bit registers are used, since a node has eight children. The advantages over AVX2 are mask registers, twice
-/// as many vector registers and the compress instruction.
+/// Only 256-bit registers are used, since a node has eight children. The advantages over AVX2 are
+/// mask registers, twice as many vector registers and the compress instruction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx512(());
 
@@ -98,7 +98,8 @@ macro_rules! implement {
 
             #[inline(always)]
             fn load(self, from: &[f32; WIDTH]) -> __m256 {
-                // SAFETY: `self` proves AVX; the array holds eight floats, and the load is unaligned.
+                // SAFETY: `self` proves AVX; the array holds eight floats, and the load is
+                // unaligned.
                 unsafe { _mm256_loadu_ps(from.as_ptr()) }
             }
 
@@ -152,8 +153,8 @@ macro_rules! implement {
                 if mask.count_ones() > 4 {
                     return order_by_insertion(self.to_array(near), mask, children, out);
                 }
-                // SAFETY: `self` proves that the processor supports the instructions. `children` has
-                // the layout of eight integers and `out` has room for four entries of 64 bits.
+                // SAFETY: `self` proves that the processor supports the instructions. `children`
+                // has the layout of eight integers and `out` has room for four entries of 64 bits.
                 unsafe {
                     // The lane replaces the lowest three bits of the distance. The slack of the
                     // limit covers this error.
@@ -215,7 +216,8 @@ impl Avx2 {
     }
 }
 
-/// For each mask, the indices of its first four lanes, one byte each, and a byte mask of how many of the four exist.
+/// For each mask, the indices of its first four lanes, one byte each, and a byte mask of how many
+/// of the four exist.
 static PACKED: [[u32; 2]; 256] = {
     let mut table = [[0; 2]; 256];
     let mut mask = 0;

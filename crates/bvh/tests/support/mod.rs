@@ -1,37 +1,15 @@
-//! Balls in double precision, seeded random numbers, and the loop over all primitives.
+//! Balls in double precision, the loop over all of them, and seeded random numbers.
 #![allow(dead_code, reason = "each test file uses a part of it")]
+
+#[path = "../../../geometry/src/test_random.rs"]
+mod test_random;
 
 use glam::{DVec3, Vec3};
 use rotund_bvh::Bvh;
 use rotund_geometry::{Aabb, Ray};
+pub(crate) use test_random::Random;
 
-/// SplitMix64.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    pub(crate) fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 * 2f32.powi(-24)
-    }
-
-    pub(crate) fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
-
-    /// A point of the cube `-1..1`.
-    pub(crate) fn point(&mut self) -> Vec3 {
-        2.0 * Vec3::new(self.unit(), self.unit(), self.unit()) - 1.0
-    }
-}
-
-/// A ball whose box is drawn around it with care.
+/// A ball whose box is rounded outwards.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ball {
     pub(crate) center: Vec3,
@@ -51,8 +29,8 @@ impl Ball {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
         let to_center = c - o;
         let t = to_center.dot(d) / d.length_squared();
-        let beside: DVec3 = to_center - t * d;
-        let half = ((r * r - beside.length_squared()) / d.length_squared()).sqrt();
+        let perpendicular: DVec3 = to_center - t * d;
+        let half = ((r * r - perpendicular.length_squared()) / d.length_squared()).sqrt();
         [t - half, t + half]
             .into_iter()
             .map(|t| t as f32)
@@ -60,7 +38,7 @@ impl Ball {
     }
 }
 
-/// The answer by definition.
+/// The answer by definition: the lowest id among the smallest `t`.
 pub(crate) fn loop_over(balls: &[Ball], ray: &Ray) -> Option<(u32, f32)> {
     let mut best: Option<(u32, f32)> = None;
     for (id, ball) in balls.iter().enumerate() {
