@@ -41,7 +41,11 @@ impl Image {
     ///
     /// [`Self::srgb_bytes`] gives the same bytes back.
     #[must_use]
-    pub fn from_srgb_fn(width: u32, height: u32, mut srgb: impl FnMut(u32, u32) -> [u8; 3]) -> Self {
+    pub fn from_srgb_fn(
+        width: u32,
+        height: u32,
+        mut srgb: impl FnMut(u32, u32) -> [u8; 3],
+    ) -> Self {
         let linear = linear_from_srgb_table();
         Self::from_fn(width, height, |x, y| {
             let [r, g, b] = srgb(x, y).map(|byte| linear[usize::from(byte)]);

@@ -5,7 +5,7 @@
 //! pixel three sums as `u128` and the covered samples as `u32`; and a hash of all before it, so that a
 //! file that was cut or changed is refused.
 
-use super::{OutputError, write_with};
+use super::{WriteError, write_with};
 use crate::film::{Film, PixelSum, Shard};
 use std::{
     fs, io,
@@ -33,7 +33,7 @@ pub enum CheckpointError {
 /// # Errors
 ///
 /// If the file cannot be written.
-pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError> {
+pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), WriteError> {
     let mut bytes = Vec::with_capacity(128 + film.label.len() + film.pixels.len() * PIXEL_BYTES);
     bytes.extend(MAGIC);
     for number in [film.width, film.height, film.samples, film.shard.index, film.shard.count] {
