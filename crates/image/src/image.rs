@@ -110,7 +110,7 @@ impl Image {
     }
 
     /// Returns true if there are as many pixels as width and height say.
-    #[cfg(any(feature = "codecs", feature = "compare"))]
+    #[cfg(feature = "codecs")]
     pub(crate) fn is_whole(&self) -> bool {
         self.pixels.len() as u64 == u64::from(self.width) * u64::from(self.height)
     }
