@@ -8,10 +8,7 @@
 
 use anyhow::{Result, bail};
 use glam::{DAffine3, DVec3};
-use rotund::cancel::Cancelled;
-use rotund::kinds::enhance;
-use rotund::output::{prepare_folder, write_text};
-use rotund::shot::{PictureArgs, take};
+use rotund::{Cancelled, PictureArgs, enhance, prepare_folder, take, write_text};
 use rotund_image::{Difference, Image, Metrics};
 use rotund_report::console::{Table, say};
 use rotund_scene::Scene;

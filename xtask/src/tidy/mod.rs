@@ -7,8 +7,8 @@
 //! - Every scene loads without a warning, is mentioned where people find it, and every file beside
 //!   the scenes belongs to one.
 
+use crate::workspace;
 use anyhow::{Context, Result, bail, ensure};
-use rotund::workspace;
 use rotund_report::console::say;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -22,8 +22,13 @@ impl Format {
     /// Returns the format that the extension of a file name stands for, in upper or lower case.
     #[must_use]
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
-        let extension = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
+        Self::from_extension(path.as_ref().extension()?.to_str()?)
+    }
+
+    /// Returns the format that an extension stands for, in upper or lower case.
+    #[must_use]
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        match extension.to_ascii_lowercase().as_str() {
             "png" => Some(Self::Png),
             "jpg" | "jpeg" => Some(Self::Jpeg),
             "hdr" => Some(Self::Hdr),

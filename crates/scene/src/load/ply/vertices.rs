@@ -5,8 +5,7 @@ use super::{
     rows::{ROWS, Rows, array, decode_column},
 };
 use crate::{
-    LoadError,
-    load::mesh::Mesh,
+    load::{error::LoadProblem, mesh::Mesh},
     validate::{is_color, is_radius},
 };
 use bytemuck::zeroed_vec;
@@ -52,11 +51,10 @@ const RADIUS: usize = 12;
 pub(super) fn read<R: BufRead + Send>(
     rows: &mut Rows<'_, R>,
     mesh: &mut Mesh,
-) -> Result<(), LoadError> {
+) -> Result<(), LoadProblem> {
     let layout = Layout::new(rows);
     if !layout.has(POSITION, 3) {
-        return Err(LoadError::PlyHeader {
-            path: rows.input.path.clone(),
+        return Err(LoadProblem::PlyHeader {
             line: 1,
             problem: "the vertices have no properties x, y and z".to_owned(),
         });
