@@ -7,13 +7,8 @@
 //! picture with another seed is compared with the first as well.
 
 use anyhow::{Result, bail};
-use rotund::cancel::Cancelled;
-use rotund::kinds::enhance;
-use rotund::output::{prepare_folder, write_text};
-use rotund::shot::{PictureArgs, take};
-use rotund_image::Difference;
-use rotund_image::metrics::Metrics;
-use rotund_image::{Picture, write_png};
+use rotund::{Cancelled, PictureArgs, enhance, prepare_folder, take, write_text};
+use rotund_image::{Difference, Image, Metrics};
 use rotund_report::console::{Table, say};
 use rotund_scene::Scene;
 use rotund_study::placement::placed;
@@ -73,20 +68,20 @@ pub(crate) fn run(args: Args) -> Result<()> {
         variants.push(Variant { name: format!("scale-{scale}"), scene, seed });
     }
 
-    let picture = |scene: &Scene, seed, label: &str| -> Result<Picture> {
+    let picture = |scene: &Scene, seed, label: &str| -> Result<Image> {
         let options = rotund_trace::Options { seed, ..options.clone() };
         let shot = args.picture.shot.with_threads(|| take(scene, camera, &options, label))?;
         if shot.interrupted {
             bail!(Cancelled(format!("{} holds the pictures before {label}", folder.display())));
         }
         rotund_trace::output::write(folder.join(format!("{label}.png")), &shot.film)?;
-        Ok(Picture::from(&shot.film.image()))
+        Ok(shot.film.image())
     };
     let base = picture(&scene, seed, "as-it-is")?;
     let mut rows: Vec<(String, Metrics)> = Vec::new();
     for Variant { name, scene, seed } in variants {
         let difference = Difference::between(&picture(&scene, seed, &name)?, &base)?;
-        write_png(&folder.join(format!("{name}-flip.png")), &difference.flip_map())?;
+        difference.flip_map().write(folder.join(format!("{name}-flip.png")))?;
         rows.push((name, difference.metrics));
     }
 

@@ -2,105 +2,65 @@
 
 use crate::cancel::Cancelled;
 use crate::checkpoint::{self, Checkpoint, CheckpointArgs};
+use crate::choice;
 use crate::kinds::enhance;
 use crate::output::check_image_file;
 use crate::progress::rays_per_second;
-use crate::shot::{PictureArgs, brought_near, odd_samples, take_on};
+use crate::shot::{PictureArgs, odd_samples, take_on};
 use anyhow::{Result, bail};
+use rotund_geometry::Method;
 use rotund_report::console::say;
-use rotund_scene::{SceneError, Trees};
-use rotund_trace::{Film, Options, View, output};
-use std::borrow::Cow;
+use rotund_trace::{Film, Options, View, World, output};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask render shapes4 --out shapes4.png
-  cargo xtask render shapes4 --mode vanilla --out vanilla.exr --samples 256
-  cargo xtask render path/to/scene.json --kinds points,lines --camera front --out exact.hdr
-  cargo xtask render shapes4 --samples 4096 --checkpoint shapes4.film --resume --out shapes4.exr
-  cargo xtask render shapes4 --samples 4096 --checkpoint part-2.film --resume --shard 2/8
-  cargo xtask render shapes4 --view shading-normal --samples 4 --out normals.png
-  cargo xtask render shapes4 --layers --out shapes4.exr";
+  rotund render shapes4 --out shapes4.png
+  rotund render cloud.ply --radius 0.01 --out cloud.png
+  rotund render shapes4 --mode vanilla --out vanilla.exr --samples 256
+  rotund render scene.json --kinds lines --camera front --out lines.hdr
+  rotund render shapes4 --checkpoint a.film --resume --out shapes4.exr
+  rotund render shapes4 --checkpoint 2.film --resume --shard 2/8
+  rotund render shapes4 --view shading-normal --samples 4 --out normals.png
+  rotund render shapes4 --layers --out shapes4.exr";
 
-/// How all shapes of a scene are traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Mode {
-    /// The usual approximations.
-    Vanilla,
-    /// The exact shapes, for the kinds of `--kinds`.
-    Enhanced,
+/// The names of the methods, each with a line of help.
+fn methods() -> [(&'static str, &'static str); 2] {
+    Method::ALL.map(|method| {
+        let help = match method {
+            Method::Vanilla => "The usual approximations",
+            Method::Enhanced => "The exact shapes, for the kinds of --kinds",
+        };
+        (method.name(), help)
+    })
 }
 
-/// What a picture shows.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ViewKind {
-    /// The light.
-    Path,
-    /// What is lost of radiance 1 from everywhere: white is nothing.
-    Furnace,
-    /// Colours in the light of a lamp at the eye: a quick look.
-    Eyelight,
-    /// The position in the bounds of the scene.
-    Position,
-    /// The geometric normal.
-    GeometricNormal,
-    /// The shading normal.
-    ShadingNormal,
-    /// The parameters of the element.
-    Uv,
-    /// Texture coordinates.
-    Texcoord,
-    /// A colour for each element.
-    Element,
-    /// A colour for each instance.
-    Instance,
-    /// Blue for enhanced, orange for vanilla, grey for triangles.
-    Method,
-    /// A colour for each material.
-    Material,
-    /// The bound on the error of the hit: blue for none, green for 31 roundings, red for 1023.
-    Error,
-}
-
-impl ViewKind {
-    fn view(self) -> View {
-        match self {
-            Self::Path => View::Path,
-            Self::Furnace => View::Furnace,
-            Self::Eyelight => View::Eyelight,
-            Self::Position => View::Position,
-            Self::GeometricNormal => View::GeometricNormal,
-            Self::ShadingNormal => View::ShadingNormal,
-            Self::Uv => View::Uv,
-            Self::Texcoord => View::Texcoord,
-            Self::Element => View::Element,
-            Self::Instance => View::Instance,
-            Self::Method => View::Method,
-            Self::Material => View::Material,
-            Self::Error => View::Error,
-        }
-    }
+/// The names of the views, each with a line of help.
+fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
+    View::ALL.into_iter().map(|view| (view.name(), view.description()))
 }
 
 /// Options of `render`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
+pub struct Args {
+    /// The name of a built-in scene, or the path of a JSON, PLY or OBJ file.
     scene: String,
     /// The image to write: png (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,exr,hdr}", required_unless_present = "checkpoint")]
     out: Option<PathBuf>,
-    /// What the picture shows.
-    #[arg(long, value_enum, default_value = "path")]
-    view: ViewKind,
-    /// Add albedo, normal, depth, position and ids to the image as layers; it must be an exr.
+    /// The quantity that the picture shows.
+    #[arg(long, value_parser = choice::parser::<View>(views()), default_value = "path")]
+    view: View,
+    /// Make the background transparent: the environment lights the scene but is hidden from the camera.
+    #[arg(long)]
+    transparent: bool,
+    /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.
     #[arg(long, requires = "out")]
     layers: bool,
-    /// How points, lines and quads are traced.
-    #[arg(long, value_enum, default_value = "enhanced")]
-    mode: Mode,
+    /// The method that points, lines and quads are traced by.
+    #[arg(long, value_parser = choice::parser::<Method>(methods()), default_value = "enhanced")]
+    mode: Method,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -117,32 +77,33 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
     let shard = args.checkpoint.shard.unwrap_or_default();
-    let options = Options { view: args.view.view(), shard, ..options };
-    let (label, kinds) = match args.mode {
-        Mode::Vanilla => ("vanilla", Vec::new()),
-        Mode::Enhanced => ("enhanced", args.picture.kinds.kinds()),
+    let options = Options {
+        view: args.view,
+        transparent: args.transparent,
+        shard,
+        // Layers hold positions in the world, and the picture must show the same rays.
+        recenter: !args.layers,
+        ..options
+    };
+    let label = args.mode.name();
+    let kinds = match args.mode {
+        Method::Vanilla => Vec::new(),
+        Method::Enhanced => args.picture.kinds.kinds(),
     };
     enhance(&mut scene.scene, &kinds);
     let label_of_film = checkpoint::label(&scene, camera, &options);
     let (film, mut checkpoint) = args.checkpoint.open(&options, label_of_film)?;
     let (shot, layers) = args.picture.shot.with_threads(|| {
-        // Positions are told as they are; light does not care where the origin is.
-        let shows_light = options.view == View::Path && !args.layers;
-        let near = if shows_light {
-            brought_near(&scene.scene, camera)
-        } else {
-            Cow::Borrowed(&scene.scene)
-        };
-        let trees = Trees::build(&near)?;
+        let world = World::new(&scene.scene)?;
         let mut keep = |film: &Film| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.update(film);
             }
         };
-        let shot = take_on(film, &near, &trees, camera, &options, label, &mut keep);
-        let layers = args.layers.then(|| rotund_trace::layers(&near, &trees, camera, &options));
-        Ok::<_, SceneError>((shot, layers))
-    })??;
+        let shot = take_on(film, &world, camera, &options, label, &mut keep)?;
+        let layers = args.layers.then(|| world.layers(camera, &options)).transpose()?;
+        Ok((shot, layers))
+    })?;
     if let Some(checkpoint) = &checkpoint {
         checkpoint.save(&shot.film)?;
     }
@@ -157,13 +118,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let files = files.join(" and ");
     if shot.interrupted {
         let wanted = options.shard.share_of(options.samples);
-        bail!(Cancelled(format!("{files}: {} of {wanted} samples", shot.film.samples)));
+        bail!(Cancelled(format!("{files}: {} of {wanted} samples", shot.film.samples())));
     }
     say(format!(
         "{files}: {} x {}, {} samples in {:.2} s, {}{}",
         options.width,
         options.height,
-        shot.film.samples,
+        shot.film.samples(),
         shot.render_seconds,
         rays_per_second(shot.rays_per_second()),
         odd_samples(&shot.film)

@@ -91,7 +91,7 @@ impl Place {
 const PICTURE: &str = "render scene.json --resolution 48 --samples 3000 --seed 7";
 
 fn samples(path: &Path) -> u32 {
-    load_film(path).expect("a checkpoint").samples
+    load_film(path).expect("a checkpoint").samples()
 }
 
 #[test]
@@ -169,7 +169,11 @@ fn shards_merge_to_the_picture_of_one_render() {
     place.succeed("render scene.json --resolution 160 --seed 8 --shard 2/3 --checkpoint other.film --samples 1");
     place.refuse(
         "merge 1.film other.film 3.film --out no.exr",
-        &["other.film is of another picture than 1.film", "seed 8, shard 2/3, not of", "seed 7"],
+        &[
+            "other.film belongs to another picture than 1.film",
+            "seed 8, shard 2/3, not to",
+            "seed 7",
+        ],
     );
     assert!(!place.path("no.exr").exists(), "nothing is written");
 }
@@ -187,7 +191,8 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
         ("--mode vanilla", ["another picture", "scene ("]),
         ("--sampler independent", ["another picture", "independent numbers"]),
         ("--clamp 10", ["another picture", "clamped to 10"]),
-        ("--view uv", ["another picture", "view Uv"]),
+        ("--transparent", ["another picture", ", transparent"]),
+        ("--view uv", ["another picture", "view uv"]),
         ("--shard 1/2", ["another picture", "shard 1/2"]),
         ("--samples 3", ["has 4 samples already", "the 3 asked for"]),
     ] {

@@ -8,8 +8,8 @@
 //! - Every scene loads without a warning, is mentioned where people find it, and every file beside
 //!   the scenes belongs to one ([`scenes`]).
 
+use crate::workspace;
 use anyhow::{Context, Result, bail};
-use rotund::workspace;
 use rotund_report::console::say;
 use std::fs;
 use std::path::{Path, PathBuf};
