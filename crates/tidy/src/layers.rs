@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Each crate, and the crates of the workspace that it may depend on, for its tests too.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("rotund-geometry", &[]),
     ("rotund-image", &[]),
     ("rotund-bvh", &["rotund-geometry"]),
@@ -46,6 +46,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
             "rotund-report",
         ],
     ),
+    ("rotund-tidy", &["rotund-scene"]),
     (
         "xtask",
         &[
@@ -55,13 +56,14 @@ const MAY_USE: [(&str, &[&str]); 11] = [
             "rotund-report",
             "rotund",
             "rotund-study",
+            "rotund-tidy",
         ],
     ),
     ("rotund-tests", &["rotund-geometry", "rotund-bvh", "rotund-scene", "rotund-trace", "xtask"]),
 ];
 
 /// Finds dependencies that are not in [`MAY_USE`].
-pub(super) fn check(root: &Path) -> Result<Vec<String>> {
+pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])

@@ -4,7 +4,7 @@ use anyhow::{Result, anyhow};
 use proc_macro2::{Group, TokenStream, TokenTree};
 
 /// Returns the tokens of a file that a build without tests compiles.
-pub(super) fn tokens(text: &str) -> Result<TokenStream> {
+pub(crate) fn tokens(text: &str) -> Result<TokenStream> {
     // A rustfmt-formatted file has no byte-order mark and no shebang, which the lexer refuses.
     let stream: TokenStream = text.parse().map_err(|error| anyhow!("not Rust: {error}"))?;
     Ok(without_tests(stream))
@@ -46,11 +46,11 @@ fn is_test_only(attribute: &Group) -> bool {
     text.starts_with("cfg(") && has_test && !text.contains("not(test")
 }
 
-pub(super) fn is_punct(token: &TokenTree, character: char) -> bool {
+pub(crate) fn is_punct(token: &TokenTree, character: char) -> bool {
     matches!(token, TokenTree::Punct(punct) if punct.as_char() == character)
 }
 
-pub(super) fn is_ident(token: &TokenTree, name: &str) -> bool {
+pub(crate) fn is_ident(token: &TokenTree, name: &str) -> bool {
     matches!(token, TokenTree::Ident(ident) if ident == name)
 }
 

@@ -1,6 +1,6 @@
 //! Formulas of intersection and shading in `xtask`: they belong to a library.
 
-use super::source::{is_punct, tokens};
+use crate::source::{is_punct, tokens};
 use anyhow::{Context, Result};
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use std::path::Path;
@@ -38,7 +38,7 @@ const NAMES: [&str; 4] = ["discriminant", "glam", "PI", "TAU"];
 const TYPES: [&str; 4] = ["Vec", "Mat", "Affine", "Quat"];
 
 /// Finds formulas in a source file of `xtask`, outside of its tests.
-pub(super) fn check(path: &Path, text: &str) -> Result<Vec<String>> {
+pub(crate) fn check(path: &Path, text: &str) -> Result<Vec<String>> {
     let is_source = path.starts_with("xtask/src") && path.extension().is_some_and(|e| e == "rs");
     if !is_source {
         return Ok(Vec::new());

@@ -38,6 +38,8 @@ const RULES: [Rule; 8] = [
             "crates/scene/src/load/",
             "crates/study/src/accuracy/mod.rs",
             "crates/study/src/rays/memory.rs",
+            "crates/tidy/src/files.rs",
+            "crates/tidy/src/scenes.rs",
             "crates/trace/src/output/checkpoint.rs",
         ],
         why: "only loaders, writers and commands touch files",
@@ -71,10 +73,12 @@ const RULES: [Rule; 8] = [
 ];
 
 /// Checks one file. Comments and the tests at the end may contain anything.
-pub(super) fn check(path: &Path, text: &str) -> Vec<String> {
+pub(crate) fn check(path: &Path, text: &str) -> Vec<String> {
     let name: PathBuf = path.iter().collect();
     let name = name.to_string_lossy().replace('\\', "/");
-    if !name.ends_with(".rs") || !name.contains("/src/") {
+    // The table of rules has every word in it.
+    let is_table = name == "crates/tidy/src/places.rs";
+    if !name.ends_with(".rs") || !name.contains("/src/") || is_table {
         return Vec::new();
     }
     let code = text.split("\nmod tests {").next().unwrap_or_default();

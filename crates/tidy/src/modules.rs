@@ -1,6 +1,6 @@
 //! The module tree of a crate, and which file defines what a path names.
 
-use super::source::{is_ident, is_punct, tokens};
+use crate::source::{is_ident, is_punct, tokens};
 use anyhow::{Context, Result};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,9 +11,9 @@ type NamePath = Vec<String>;
 
 /// A module: a file, or a block within one.
 #[derive(Default)]
-pub(super) struct Module {
-    pub(super) file: PathBuf,
-    pub(super) parent: Option<usize>,
+pub(crate) struct Module {
+    pub(crate) file: PathBuf,
+    pub(crate) parent: Option<usize>,
     children: BTreeMap<String, usize>,
     /// What `use` brings in: the name it gets here, and the path.
     imports: Vec<(String, NamePath)>,
@@ -22,11 +22,11 @@ pub(super) struct Module {
     /// Names of items that are defined here.
     items: BTreeSet<String>,
     /// Every path that is named here, those of `use` included.
-    pub(super) paths: Vec<NamePath>,
+    pub(crate) paths: Vec<NamePath>,
 }
 
 /// The modules of one crate; the first is the root.
-pub(super) struct Modules(pub(super) Vec<Module>);
+pub(crate) struct Modules(pub(crate) Vec<Module>);
 
 /// Keywords that a name follows which paths can refer to.
 const ITEMS: [&str; 8] = ["struct", "enum", "union", "trait", "fn", "type", "const", "static"];
@@ -35,7 +35,7 @@ const MOST_HOPS: usize = 16;
 
 impl Modules {
     /// Reads the crate whose root is `root`, from a table of files.
-    pub(super) fn read(root: &Path, files: &BTreeMap<&Path, &str>) -> Result<Self> {
+    pub(crate) fn read(root: &Path, files: &BTreeMap<&Path, &str>) -> Result<Self> {
         let mut modules = Self(Vec::new());
         modules.file(root, None, root.parent().unwrap_or(Path::new("")), files)?;
         Ok(modules)
@@ -98,7 +98,7 @@ impl Modules {
     }
 
     /// The module that defines what `path`, written in `scope`, names; none if another crate does.
-    pub(super) fn resolve(&self, scope: usize, path: &[String]) -> Option<usize> {
+    pub(crate) fn resolve(&self, scope: usize, path: &[String]) -> Option<usize> {
         self.follow(scope, path, MOST_HOPS).map(|(module, _)| module)
     }
 

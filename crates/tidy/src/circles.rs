@@ -4,7 +4,7 @@
 //! what lies below it are front and rooms: they may name each other. Among the modules of one
 //! parent, each with all that lies below it, nothing may lead back to where it started.
 
-use super::modules::Modules;
+use crate::modules::Modules;
 use anyhow::Result;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ struct Need {
 type Needs = BTreeMap<usize, BTreeMap<usize, BTreeMap<usize, Need>>>;
 
 /// Finds the circles of every crate among the files.
-pub(super) fn check(files: &[(PathBuf, String)]) -> Result<Vec<String>> {
+pub(crate) fn check(files: &[(PathBuf, String)]) -> Result<Vec<String>> {
     let table: BTreeMap<&Path, &str> = files.iter().map(|(p, t)| (&**p, &**t)).collect();
     let is_root = |path: &&&Path| path.ends_with("src/lib.rs") || path.ends_with("src/main.rs");
     let mut findings = Vec::new();

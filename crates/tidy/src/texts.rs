@@ -6,6 +6,8 @@ use std::path::Path;
 const MOST_LINES: usize = 500;
 /// `ARCHITECTURE.md` is to be read in one go.
 const MOST_LINES_OF_MAP: usize = 150;
+/// As in `rustfmt.toml`, which does not apply to comments.
+const MOST_COLUMNS: usize = 100;
 
 /// What is not to stay, and why. Each is in two pieces, so that this list does not find itself.
 const LEFTOVERS: [(&str, &str, &str); 12] = [
@@ -24,7 +26,7 @@ const LEFTOVERS: [(&str, &str, &str); 12] = [
 ];
 
 /// Checks one file.
-pub(super) fn check(path: &Path, text: &str) -> Vec<String> {
+pub(crate) fn check(path: &Path, text: &str) -> Vec<String> {
     let mut findings = Vec::new();
     let lines = text.lines().count();
     let is_rust = path.extension().is_some_and(|extension| extension == "rs");
@@ -46,8 +48,18 @@ pub(super) fn check(path: &Path, text: &str) -> Vec<String> {
                 find(format!("{leftover} {why}"));
             }
         }
+        let columns = line.chars().count();
+        if cfg!(test) && is_rust && columns > MOST_COLUMNS && !cannot_be_broken(line) {
+            find(format!("{columns} columns, {MOST_COLUMNS} are the most"));
+        }
     }
     findings
+}
+
+/// Whether a line holds an address or, outside of comments, a piece of a string.
+fn cannot_be_broken(line: &str) -> bool {
+    let is_comment = line.trim_start().starts_with("//");
+    line.contains("://") || (!is_comment && (line.contains('"') || line.ends_with('\\')))
 }
 
 #[cfg(test)]
@@ -69,5 +81,22 @@ mod tests {
         assert_eq!(found("a.rs", &"\n".repeat(501)).len(), 1);
         assert!(found("a.json", &"\n".repeat(501)).is_empty());
         assert_eq!(found("ARCHITECTURE.md", &"\n".repeat(151)).len(), 1);
+    }
+
+    #[test]
+    fn long_lines_are_found_unless_they_cannot_be_broken() {
+        let words = "word ".repeat(20);
+        let table = [
+            ("100 columns", format!("// {}", &words[..97]), 0),
+            ("101 characters of a comment", format!("// é{}", &words[..97]), 1),
+            ("a comment with a quote", format!("// \"{words}\""), 1),
+            ("an address", format!("// https://example.org/{}", words.replace(' ', "-")), 0),
+            ("a string", format!("    say(\"{words}\");"), 0),
+            ("code", format!("    {}", words.replace(' ', "+")), 1),
+        ];
+        for (why, line, count) in table {
+            assert_eq!(found("a.rs", &line).len(), count, "{why}");
+        }
+        assert!(found("a.md", &words.repeat(2)).is_empty());
     }
 }
