@@ -1,7 +1,7 @@
-//! One primitive, one ray: what do the exact shapes cost beside their approximations?
+//! Time of one ray against one primitive, for the exact shapes and their approximations.
 //!
-//! Hits and misses are timed apart, over 1024 rays that the branch predictor comes to know. So are rays that
-//! leave the exact shapes from a point they were hit at, outwards and, where there is an inside, inwards.
+//! Hits and misses are timed apart, over 1024 rays that the branch predictor learns. So are rays
+//! spawned from hits on the exact shapes, outwards and, if there is an inside, inwards.
 
 #[path = "../src/test_random.rs"]
 mod test_random;
@@ -16,7 +16,7 @@ use test_random::Random;
 
 const RAYS: usize = 1024;
 
-/// Rays at the unit cube that hit, or miss, by the given test.
+/// Returns rays at the cube from -1 to 1 for which `hits` returns `wanted`.
 fn rays(wanted: bool, hits: impl Fn(&Ray) -> bool) -> Vec<Ray> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut rays = Vec::new();
@@ -57,7 +57,8 @@ fn time<S: Copy>(
     }
 }
 
-/// Rays from the points where others hit, to the side that they came from, or through the surface.
+/// Returns rays spawned from hits, to the side that the first ray came from, or through the
+/// surface.
 fn leaving(
     through: bool,
     closest: impl Fn(&Ray) -> Option<Hit>,
@@ -84,9 +85,9 @@ fn time_leaving<S: Copy>(
         let rays = leaving(through, |ray| closest(&shape, ray), |ray| any(&shape, ray));
         let hits = rays.iter().filter(|ray| any(&shape, ray)).count();
         let expected = if through && is_solid { RAYS } else { 0 };
-        // A patch may bend back into the way of a ray.
+        // A patch may bend back so that a ray hits it again.
         let bent = if is_solid { 0 } else { RAYS / 50 };
-        assert!(hits.abs_diff(expected) <= bent, "{hits} of {RAYS} rays meet the shape again");
+        assert!(hits.abs_diff(expected) <= bent, "{hits} of {RAYS} rays hit the shape again");
         group.throughput(Throughput::Elements(RAYS as u64));
         group.bench_function(format!("enhanced/closest/{kind}"), |bencher| {
             bencher.iter(|| {

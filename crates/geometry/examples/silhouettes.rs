@@ -1,4 +1,4 @@
-//! Draws a rounded cone in the terminal, as the exact shape and as the ribbon that stands in for it.
+//! Draws a rounded cone in the terminal: the exact shape and the ribbon that approximates it.
 //!
 //! `cargo run --example silhouettes -p rotund-geometry`
 #![expect(clippy::print_stdout, reason = "an example prints")]

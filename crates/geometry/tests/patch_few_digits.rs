@@ -1,6 +1,7 @@
-//! Rays at a bilinear patch whose answer hangs on digits that an `f64` does not have.
+//! Rays at a bilinear patch whose crossing depends on digits that an `f64` does not have.
 //!
-//! Found among a million random ones, by their errors; the exact crossings come from 106 bits.
+//! They were found among a million random rays by their errors. The exact crossings were computed
+//! with 106 bits.
 
 mod support;
 
@@ -60,7 +61,7 @@ fn cases() -> Vec<Case> {
             expected: (3.0, [-0.783_281_263, -0.598_243_853, -0.169_040_688]),
         },
         Case {
-            why: "another, that solving for v would have saved",
+            why: "two roots of nearly the same u, but of different v",
             bits: [
                 [0x3fe2_a895, 0xbf8d_fec2, 0xbe45_194f],
                 [0x3f79_578d, 0xbfd7_ac98, 0xbe98_b606],
@@ -99,7 +100,7 @@ fn cases() -> Vec<Case> {
             expected: (2.9999998159884833, [0.345_657_279, 0.853_161_291, 0.390_687_671]),
         },
         Case {
-            why: "grazes a little less",
+            why: "grazes at a larger angle",
             bits: [
                 [0xbf28_9135, 0x3f53_3337, 0xbec8_12ae],
                 [0xbe7f_a262, 0x3f96_e81e, 0x3f3e_4983],
@@ -114,7 +115,8 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Every order of the corners that has the same surface, and whether it turns the normal round.
+/// Returns every order of the corners with the same surface, and the sign by which it changes the
+/// normal.
 fn orders([p00, p10, p01, p11]: [Vec3; 4]) -> [(BilinearPatch, f64); 8] {
     let patch =
         |[p00, p10, p01, p11]: [Vec3; 4], side| (BilinearPatch { p00, p10, p01, p11 }, side);
@@ -131,7 +133,7 @@ fn orders([p00, p10, p01, p11]: [Vec3; 4]) -> [(BilinearPatch, f64); 8] {
 }
 
 #[test]
-fn folds_corners_and_origins_next_to_the_surface_cost_no_digit() {
+fn folds_corners_and_origins_near_the_surface_do_not_reduce_the_accuracy() {
     for Case { why, bits, t_min, expected } in cases() {
         let [p00, p10, p01, p11, origin, direction] =
             bits.map(|p| Vec3::from(p.map(f32::from_bits)));

@@ -1,11 +1,11 @@
-//! What holds of every shape and every ray, random and degenerate.
+//! Properties of every shape and every ray, random and degenerate.
 
 use proptest::prelude::*;
 use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::vanilla::{Line, Point, Quad};
 use rotund_geometry::{BilinearPatch, Primitive, Ray, RoundedCone, Sphere, Triangle};
 
-/// Numbers of a scene, and those that are no numbers of any scene.
+/// Numbers as scenes have them, and extreme and invalid ones.
 fn any_number() -> impl Strategy<Value = f32> {
     prop_oneof![
         6 => -2.0_f32..2.0,
@@ -35,7 +35,7 @@ fn sane_ray() -> impl Strategy<Value = Ray> {
         .prop_map(|(origin, direction)| Ray::new(5.0 * origin, direction - 2.0 * origin))
 }
 
-/// A shape and its copy that is scaled about the origin.
+/// A shape that can be scaled about the origin.
 trait Shape: Primitive + Copy + std::fmt::Debug {
     fn scaled(&self, by: f32) -> Self;
 }
@@ -51,14 +51,22 @@ macro_rules! shape {
 }
 
 shape!(Sphere, self, by => Self { center: self.center * by, radius: self.radius * by });
-shape!(RoundedCone, self, by => Self { p0: self.p0 * by, r0: self.r0 * by, p1: self.p1 * by, r1: self.r1 * by });
-shape!(BilinearPatch, self, by => Self { p00: self.p00 * by, p10: self.p10 * by, p01: self.p01 * by, p11: self.p11 * by });
-shape!(Triangle, self, by => Self { p0: self.p0 * by, p1: self.p1 * by, p2: self.p2 * by });
 shape!(Point, self, by => Self { center: self.center * by, radius: self.radius * by });
-shape!(Line, self, by => Self { p0: self.p0 * by, r0: self.r0 * by, p1: self.p1 * by, r1: self.r1 * by });
-shape!(Quad, self, by => Self { p0: self.p0 * by, p1: self.p1 * by, p2: self.p2 * by, p3: self.p3 * by });
+shape!(RoundedCone, self, by => {
+    Self { p0: self.p0 * by, r0: self.r0 * by, p1: self.p1 * by, r1: self.r1 * by }
+});
+shape!(Line, self, by => {
+    Self { p0: self.p0 * by, r0: self.r0 * by, p1: self.p1 * by, r1: self.r1 * by }
+});
+shape!(BilinearPatch, self, by => {
+    Self { p00: self.p00 * by, p10: self.p10 * by, p01: self.p01 * by, p11: self.p11 * by }
+});
+shape!(Triangle, self, by => Self { p0: self.p0 * by, p1: self.p1 * by, p2: self.p2 * by });
+shape!(Quad, self, by => {
+    Self { p0: self.p0 * by, p1: self.p1 * by, p2: self.p2 * by, p3: self.p3 * by }
+});
 
-/// No NaN and no panic, and the queries agree, whatever the numbers.
+/// Checks for any numbers that nothing panics, that no result is NaN, and that the queries agree.
 fn agrees(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
     let hit = shape.closest(ray);
     prop_assert_eq!(shape.closest_t(ray).map(f32::to_bits), hit.map(|hit| hit.t.to_bits()));
@@ -76,10 +84,11 @@ fn agrees(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A smaller interval that holds the hit finds it; a later start finds a later hit or none.
+/// Checks that a smaller interval that contains the hit finds it, and that a later start finds a
+/// later hit or none.
 fn is_monotone(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
     let Some(hit) = shape.closest(ray) else {
-        // Part of the interval; of an end that is NaN too.
+        // A part of the interval; it also replaces an end that is NaN.
         let t_min = if ray.t_min <= 0.5 { 0.5 } else { ray.t_min };
         let t_max = if ray.t_max >= 1.5 { 1.5 } else { ray.t_max };
         let part = Ray { t_min, t_max, ..*ray };
@@ -94,7 +103,7 @@ fn is_monotone(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A power of two scales exactly, so the answer is the same to the last bit.
+/// Checks that scaling by a power of two, which is exact, gives the same bits.
 fn scales(shape: impl Shape, ray: &Ray) -> Result<(), TestCaseError> {
     let hit = shape.closest(ray);
     for power in [-20, -10, 10, 20] {
@@ -114,23 +123,48 @@ fn all(shape: impl Shape, wild: &Ray, sane: &Ray) -> Result<(), TestCaseError> {
     is_monotone(shape, sane)
 }
 
+fn config() -> ProptestConfig {
+    ProptestConfig {
+        cases: 20000,
+        failure_persistence: None,
+        rng_seed: prop::test_runner::RngSeed::Fixed(1),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20000, failure_persistence: None, rng_seed: prop::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
-    fn of_a_sphere(center in any_point(), radius in any_number(), wild in any_ray(), sane in sane_ray()) {
+    fn the_queries_of_spheres_and_points_agree(
+        center in any_point(),
+        radius in any_number(),
+        wild in any_ray(),
+        sane in sane_ray(),
+    ) {
         all(Sphere { center, radius }, &wild, &sane)?;
         all(Point { center, radius }, &wild, &sane)?;
     }
 
     #[test]
-    fn of_a_rounded_cone(p0 in any_point(), r0 in any_number(), p1 in any_point(), r1 in any_number(), wild in any_ray(), sane in sane_ray()) {
+    fn the_queries_of_rounded_cones_and_lines_agree(
+        p0 in any_point(),
+        r0 in any_number(),
+        p1 in any_point(),
+        r1 in any_number(),
+        wild in any_ray(),
+        sane in sane_ray(),
+    ) {
         all(RoundedCone { p0, r0, p1, r1 }, &wild, &sane)?;
         all(Line { p0, r0, p1, r1 }, &wild, &sane)?;
     }
 
     #[test]
-    fn of_a_patch(p in [any_point(), any_point(), any_point(), any_point()], wild in any_ray(), sane in sane_ray()) {
+    fn the_queries_of_patches_quads_and_triangles_agree(
+        p in [any_point(), any_point(), any_point(), any_point()],
+        wild in any_ray(),
+        sane in sane_ray(),
+    ) {
         let [p0, p1, p2, p3] = p;
         all(BilinearPatch { p00: p0, p10: p1, p01: p3, p11: p2 }, &wild, &sane)?;
         all(Quad { p0, p1, p2, p3 }, &wild, &sane)?;
@@ -138,7 +172,11 @@ proptest! {
     }
 
     #[test]
-    fn of_shapes_of_a_scene_scaled_or_met_by_part_of_a_ray(p in [point(), point(), point(), point()], r in [0.01_f32..1.0, 0.01_f32..1.0], ray in sane_ray()) {
+    fn scaling_by_a_power_of_two_or_shortening_the_ray_changes_no_bit(
+        p in [point(), point(), point(), point()],
+        r in [0.01_f32..1.0, 0.01_f32..1.0],
+        ray in sane_ray(),
+    ) {
         let ([p0, p1, p2, p3], [r0, r1]) = (p, r);
         scales(Sphere { center: p0, radius: r0 }, &ray)?;
         scales(RoundedCone { p0, r0, p1, r1 }, &ray)?;

@@ -1,4 +1,4 @@
-//! The rounded cone against its definition: a union of balls, whose signed distance is convex.
+//! The rounded cone against its definition as a union of balls, whose signed distance is convex.
 
 mod support;
 
@@ -9,10 +9,11 @@ use support::{Random, Wide, Wide3, at, dot, local_unit, minus, ray, rounding_int
 const FAT: RoundedCone =
     RoundedCone { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::new(0.0, 0.0, 3.0), r1: 0.5 };
 
-/// Signed distance of `x`: the smallest of `|x - c(s)| - r(s)` over the balls `0 <= s <= 1`.
+/// Returns the signed distance of `x`: the minimum of `|x - c(s)| - r(s)` over the balls `0 <= s <=
+/// 1`.
 ///
-/// The best ball is found in `f64`; at a smallest value an error of `s` counts squared, so the value
-/// itself has the digits of [`Wide`].
+/// The minimiser is computed in `f64`. Near a minimum the value depends on the square of the error
+/// of `s`, so it has the digits of [`Wide`].
 fn distance(cone: &RoundedCone, x: Wide3) -> Wide {
     let (p0, e) = (wide(cone.p0), minus(wide(cone.p1), wide(cone.p0)));
     let (r0, r1) = (Wide::from(cone.r0), Wide::from(cone.r1));
@@ -23,7 +24,8 @@ fn distance(cone: &RoundedCone, x: Wide3) -> Wide {
         let from = minus(x, center);
         dot(from, from).sqrt() - (r0 + s * (r1 - r0))
     };
-    // From the derivative: the foot of x on the axis, shifted along it by the slope of the cone.
+    // The zero of the derivative: the foot of x on the axis, shifted along it by the slope of the
+    // cone.
     let (length2, rho) = (dot(e, e), r0 - r1);
     let d2 = length2 - rho * rho;
     let ends = if value(0.0) < value(1.0) { value(0.0) } else { value(1.0) };
@@ -34,7 +36,7 @@ fn distance(cone: &RoundedCone, x: Wide3) -> Wide {
     let radial2 = dot(x, x) - (along * along).over(length2);
     let radial = if radial2.0 > 0.0 { radial2.sqrt() } else { Wide::from(0.0) };
     let s = (along - (radial * rho * length2.sqrt()).over(d2.sqrt())).over(length2);
-    // Two roundings of s, and the ends: the smallest is taken, so none can do harm.
+    // The minimum over this s and both ends is correct whatever the rounding of s.
     let s = s.0.clamp(0.0, 1.0);
     let inner = value(s);
     if inner < ends { inner } else { ends }
@@ -44,7 +46,8 @@ fn at_t(cone: &RoundedCone, ray: &Ray, t: Wide) -> Wide {
     distance(cone, at(ray, t))
 }
 
-/// The `t` of the smallest distance between `low` and `high`, of a convex function, by thirds.
+/// Returns the `t` of the smallest distance between `low` and `high`, by ternary search: it is
+/// convex.
 fn deepest(cone: &RoundedCone, ray: &Ray, mut low: f64, mut high: f64) -> f64 {
     for _ in 0..110 {
         let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -53,7 +56,7 @@ fn deepest(cone: &RoundedCone, ray: &Ray, mut low: f64, mut high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Checks every claim of the page about the answer to one ray with `t_min` 0; true if it hits.
+/// Checks all that is documented for one ray with `t_min` 0, and returns whether it hits.
 fn check(cone: &RoundedCone, ray: &Ray) -> bool {
     let size = cone.p0.distance(cone.p1) + cone.r0 + cone.r1;
     let hit = cone.closest(ray);
@@ -69,7 +72,7 @@ fn check(cone: &RoundedCone, ray: &Ray) -> bool {
     };
     let starts_inside = at_t(cone, ray, Wide::from(0.0)).0 < 0.0;
     let [before, after] = rounding_interval(hit.t).map(|t| at_t(cone, ray, t).0);
-    // A chord shorter than the rounding of t leaves both ends outside.
+    // If the chord is shorter than the rounding of t, both ends of the interval are outside.
     let crosses = if starts_inside {
         before <= 0.0 && after >= 0.0
     } else {
@@ -107,7 +110,7 @@ fn cone(random: &mut Random, length: f64, r0: f64, r1: f64) -> RoundedCone {
     RoundedCone { p0: p0.as_vec3(), r0: r0 as f32, p1: p1.as_vec3(), r1: r1 as f32 }
 }
 
-/// A ray from `distance` away, aimed near the shape.
+/// Returns a ray from `distance` away towards a point in or near the shape.
 fn aimed(random: &mut Random, cone: &RoundedCone, distance: f64) -> Ray {
     let s = random.range(-0.15, 1.15);
     let (p0, p1) = (cone.p0.as_dvec3(), cone.p1.as_dvec3());
@@ -137,7 +140,7 @@ fn hard_cases() {
     let tip = RoundedCone { r1: 0.0, ..FAT };
     let touching = RoundedCone { p1: Vec3::new(0.0, 0.0, 0.5), ..FAT };
     let table = [
-        // why it is hard                          shape     ray                                      t
+        // why it is hard, shape, ray, t
         ("enters through the cap of p0", FAT, ray([0., 0., -5.], [0., 0., 1.]), Some(4.0)),
         ("enters through the cap of p1", FAT, ray([0., 0., 8.], [0., 0., -1.]), Some(4.5)),
         ("starts inside: leaves through p1", FAT, ray([0., 0., 0.], [0., 0., 1.]), Some(3.5)),
@@ -146,12 +149,12 @@ fn hard_cases() {
         ("along the axis of a cylinder", cylinder, ray([0., 0., -5.], [0., 0., 1.]), Some(4.0)),
         ("along a cylinder, inside", cylinder, ray([0., 0., 1.], [0., 0., 1.]), Some(3.0)),
         ("along a cylinder, on its side", cylinder, ray([1., 0., -5.], [0., 0., 1.]), Some(5.0)),
-        ("along a cylinder, beside it", cylinder, ray([1.5, 0., -5.], [0., 0., 1.]), None),
+        ("along a cylinder, outside", cylinder, ray([1.5, 0., -5.], [0., 0., 1.]), None),
         ("across a cylinder", cylinder, ray([-5., 0., 1.5], [1., 0., 0.]), Some(4.0)),
-        ("touches a cylinder", cylinder, ray([-5., 1., 1.5], [1., 0., 0.]), Some(5.0)),
-        ("one ball holds the other", nested, ray([5., 0., 0.], [-1., 0., 0.]), Some(4.0)),
+        ("tangent to a cylinder", cylinder, ray([-5., 1., 1.5], [1., 0., 0.]), Some(5.0)),
+        ("one ball contains the other", nested, ray([5., 0., 0.], [-1., 0., 0.]), Some(4.0)),
         (
-            "one ball touches the other inside",
+            "one ball touches the other from inside",
             touching,
             ray([5., 0., 0.], [-1., 0., 0.]),
             Some(4.0),
@@ -164,7 +167,7 @@ fn hard_cases() {
             None,
         ),
         ("behind", FAT, ray([0., 0., 9.], [0., 0., 1.]), None),
-        ("no direction", FAT, ray([0., 3., 0.], [0.; 3]), None),
+        ("a zero direction", FAT, ray([0., 3., 0.], [0.; 3]), None),
         ("NaN in the origin", FAT, ray([f32::NAN, 0., -5.], [0., 0., 1.]), None),
         ("NaN in the direction", FAT, ray([0., 0., -5.], [0., f32::NAN, 1.]), None),
         ("an infinite direction", FAT, ray([0., 0., -5.], [0., 0., f32::INFINITY]), None),
@@ -187,7 +190,7 @@ fn hard_cases() {
             None,
         ),
         (
-            "no radius at all",
+            "both radii are zero",
             RoundedCone { r0: 0.0, r1: 0.0, ..FAT },
             ray([0., -5., 1.], [0., 1., 0.]),
             None,
@@ -202,7 +205,7 @@ fn hard_cases() {
 }
 
 #[test]
-fn distance_costs_no_digit() {
+fn the_distance_of_the_ray_does_not_reduce_the_accuracy() {
     for power in 0..7 {
         check_family(10 + power as u64, 400, |random| {
             let cone = cone(random, 3.0, 1.0, 0.5);
@@ -224,7 +227,7 @@ fn radii_may_be_equal_nearly_equal_or_zero() {
 }
 
 #[test]
-fn one_ball_may_hold_or_nearly_hold_the_other() {
+fn one_ball_may_contain_or_nearly_contain_the_other() {
     for (i, length) in [0.0, 0.4, 0.5 + 5e-7, 0.5 + 5e-4, 0.55].into_iter().enumerate() {
         check_family(30 + i as u64, 600, |random| {
             let cone = cone(random, length, 1.0, 0.5);
@@ -263,7 +266,7 @@ fn rays_may_run_along_the_axis() {
 }
 
 #[test]
-fn rays_from_inside_leave_and_rays_from_the_surface_are_decided_by_the_exact_side() {
+fn rays_from_inside_exit_and_rays_from_the_surface_are_decided_by_their_exact_side() {
     for scale in [0.0, 0.5, 0.999, 1.0] {
         check_family(60, 500, |random| {
             let cone = cone(random, 3.0, 1.0, 0.5);
@@ -276,7 +279,7 @@ fn rays_from_inside_leave_and_rays_from_the_surface_are_decided_by_the_exact_sid
 }
 
 #[test]
-fn scale_and_offset_cost_no_digit() {
+fn scale_and_offset_do_not_reduce_the_accuracy() {
     for (i, scale) in [1e-6, 1e-3, 1e3, 1e6].into_iter().enumerate() {
         for (j, offset) in [0.0, 1e3, 1e5].into_iter().enumerate() {
             check_family(70 + 3 * i as u64 + j as u64, 200, |random| {
@@ -300,14 +303,14 @@ fn normals_point_away_from_the_ball_of_the_hit() {
         let s = f64::from(hit.parameters.x);
         let center = cone.p0.as_dvec3().lerp(cone.p1.as_dvec3(), s);
         let off = support::degrees(hit.normal, hit.position.as_dvec3() - center);
-        // The centre and the position are rounded here, to 2⁻²⁴ of their coordinates.
+        // The center and the position are rounded here, to 2⁻²⁴ of their coordinates.
         assert!(off < 1e-4, "{off} degrees: {cone:?} {ray:?} {hit:?}");
         assert!(cone.normal(cone.uv(&hit)).distance(hit.normal) < 1e-6);
     }
 }
 
 #[test]
-fn a_ball_of_a_cone_is_a_sphere() {
+fn a_cone_that_is_a_ball_has_the_hits_of_the_sphere() {
     let mut random = Random(91);
     for _ in 0..20_000 {
         let ball = cone(&mut random, 0.0, 1.0, 0.5);
@@ -351,7 +354,7 @@ fn tangents_are_the_derivatives_of_the_position() {
 }
 
 #[test]
-fn a_ray_that_starts_on_the_body_beside_p0_keeps_the_digits_of_a_tiny_t() {
+fn a_ray_that_starts_on_the_body_next_to_p0_has_an_accurate_tiny_t() {
     let bits = |x: u32| f32::from_bits(x);
     let at = |x: u32, y: u32, z: u32| Vec3::new(bits(x), bits(y), bits(z));
     let cone = RoundedCone {
@@ -362,7 +365,8 @@ fn a_ray_that_starts_on_the_body_beside_p0_keeps_the_digits_of_a_tiny_t() {
     };
     let origin = at(0x3f3d_0130, 0xbe6c_d458, 0xbf3f_54e9);
     let direction = at(0xbf25_ebb0, 0x3e75_5d34, 0xbf39_0ce1);
-    // The terms of f·d are of size one and cancel to 3e-4; t is the 8e-9th part of them. From 106 bits.
+    // The terms of f·d are of size one and cancel to 3e-4; t is 8e-9 of them. Expected with 106
+    // bits:
     let expected = 1.057_704_035_985_401_7e-8;
     let hit = cone.closest(&Ray::new(origin, direction)).expect("it enters");
     let units = (f64::from(hit.t) - expected).abs() / (expected * f64::from(UNIT_ROUNDOFF));

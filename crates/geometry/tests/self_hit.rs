@@ -1,4 +1,4 @@
-//! A ray that leaves a surface by `Hit::spawn` does not meet it again unless it truly does.
+//! A ray of `Hit::spawn` does not hit the surface that it left, unless the exact ray does.
 
 mod support;
 
@@ -6,7 +6,7 @@ use rotund_geometry::glam::{DVec3, Vec2, Vec3};
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, Triangle};
 use support::{Random, ray};
 
-/// A direction on the outer side of `normal`; every third one almost tangent.
+/// Returns a direction on the outer side of `normal`; every third one is almost tangent.
 fn outwards(random: &mut Random, normal: Vec3) -> Vec3 {
     let n = normal.as_dvec3();
     let d = match random.bits() % 3 {
@@ -16,12 +16,14 @@ fn outwards(random: &mut Random, normal: Vec3) -> Vec3 {
             if d.dot(n) < 0.0 { -d } else { d }
         }
     };
-    // The normal is rounded, and so is the direction: nearer to the tangent plane, a ray truly enters.
+    // Normal and direction are rounded: closer to the tangent plane, the exact ray may enter the
+    // solid.
     let d = d.as_vec3();
     if d.as_dvec3().dot(n) > 5e-7 { d } else { normal }
 }
 
-/// Shapes of all scales, at all distances from the origin of the world.
+/// Returns a place and a scale, for shapes of all sizes at all distances from the origin of the
+/// world.
 fn placed(random: &mut Random) -> (DVec3, f64) {
     let scale = 10_f64.powf(random.range(-6.0, 6.0));
     let offset = 10_f64.powf(random.range(-3.0, 5.0));
@@ -35,7 +37,7 @@ fn aimed(random: &mut Random, target: Vec3, scale: f64) -> Ray {
 }
 
 #[test]
-fn a_ray_that_leaves_a_sphere_never_meets_it_again() {
+fn a_ray_that_leaves_a_sphere_never_hits_it_again() {
     let mut random = Random(1);
     let mut bounces = 0;
     while bounces < 1_500_000 {
@@ -59,7 +61,7 @@ fn a_ray_that_leaves_a_sphere_never_meets_it_again() {
 }
 
 #[test]
-fn a_ray_that_leaves_a_cone_never_meets_it_again() {
+fn a_ray_that_leaves_a_cone_never_hits_it_again() {
     let mut random = Random(2);
     let mut bounces = 0;
     while bounces < 1_000_000 {
@@ -86,7 +88,7 @@ fn a_ray_that_leaves_a_cone_never_meets_it_again() {
 }
 
 #[test]
-fn a_ray_that_leaves_a_flat_patch_or_a_triangle_never_meets_it_again() {
+fn a_ray_that_leaves_a_triangle_never_hits_it_again() {
     let mut random = Random(3);
     let mut bounces = 0;
     while bounces < 600_000 {
@@ -108,7 +110,7 @@ fn a_ray_that_leaves_a_flat_patch_or_a_triangle_never_meets_it_again() {
 }
 
 #[test]
-fn a_ray_that_leaves_a_patch_meets_it_again_only_where_it_bends_back() {
+fn a_ray_that_leaves_a_patch_hits_it_again_only_where_it_bends_back() {
     let mut random = Random(4);
     let mut bounces = 0;
     while bounces < 600_000 {
@@ -131,8 +133,9 @@ fn a_ray_that_leaves_a_patch_meets_it_again_only_where_it_bends_back() {
                 bounces += 1;
                 let out = hit.spawn(side * outwards(&mut random, hit.normal));
                 let Some(again) = patch.closest(&out) else { continue };
-                // The normals here turn by at most about 2 radians per edge: to climb back at the angle
-                // at which it left, a ray travels in proportion to that angle.
+                // The normals of these patches turn by at most about 2 radians per edge length, so
+                // the length of the way back is at least proportional to the angle at which the ray
+                // left.
                 let sine = f64::from(out.direction.normalize().dot(hit.normal).abs());
                 let way = f64::from(again.position.distance(hit.position)) / scale;
                 assert!(way > 0.2 * sine - 1e-6, "{patch:?} {hit:?} {out:?} {again:?}");
@@ -141,30 +144,31 @@ fn a_ray_that_leaves_a_patch_meets_it_again_only_where_it_bends_back() {
     }
 }
 
-/// Its rulings across are level: a level ray meets one of them alone, but is parallel to another one, which solves
-/// the same equation.
+/// One family of rulings is level. A level ray intersects only one of them, but is parallel to
+/// another one, which solves the same equation.
 #[test]
-fn a_level_ray_that_leaves_a_screw_does_not_meet_the_ruling_that_it_is_parallel_to() {
+fn a_level_ray_that_leaves_a_helicoid_does_not_hit_the_ruling_parallel_to_it() {
     let (p00, p10) = (Vec3::new(-0.1275, 0.0, 0.7391), Vec3::new(-0.1275, 1.6, -0.7391));
     let (p01, p11) = (Vec3::new(0.1275, 0.0, -0.7391), Vec3::new(0.1275, 1.6, 0.7391));
-    let screw = BilinearPatch { p00, p10, p01, p11 };
+    let helicoid = BilinearPatch { p00, p10, p01, p11 };
     let mut random = Random(5);
     let mut bounces = 0;
     while bounces < 100_000 {
-        let target =
-            screw.position(Vec2::new(random.range(0.0, 1.0) as f32, random.range(0.0, 1.0) as f32));
-        let Some(hit) = screw.closest(&aimed(&mut random, target, 1.0)) else { continue };
+        let target = helicoid
+            .position(Vec2::new(random.range(0.0, 1.0) as f32, random.range(0.0, 1.0) as f32));
+        let Some(hit) = helicoid.closest(&aimed(&mut random, target, 1.0)) else { continue };
         let d = random.direction();
         let level = DVec3::new(d.x, 0.0, d.z).as_vec3();
-        // From beside the axis, which belongs to all rulings.
+        // The axis belongs to all rulings, so the ray must start away from it.
         if hit.position.x.hypot(hit.position.z) < 0.01 {
             continue;
         }
         bounces += 1;
-        // From a little before the surface too, so that the hit that is left behind is looked for.
+        // An interval that begins before the origin makes the solver look for the root behind it
+        // too.
         for t_min in [0.0, -f32::MIN_POSITIVE] {
             let out = Ray { t_min, ..hit.spawn(level) };
-            assert_eq!(screw.closest(&out), None, "{hit:?} {out:?}");
+            assert_eq!(helicoid.closest(&out), None, "{hit:?} {out:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The sphere against its definition, in 106 bits.
+//! The sphere against its definition, evaluated with 106 bits.
 
 mod support;
 
@@ -8,19 +8,19 @@ use support::{Random, Wide, at, degrees, dot, local_unit, minus, ray, rounding_i
 
 const BALL: Sphere = Sphere { center: Vec3::ZERO, radius: 1.0 };
 
-/// `|x - c|² - r²` at `t`: positive outside.
+/// Returns `|x - c|² - r²` at `t`, which is positive outside.
 fn side(sphere: &Sphere, ray: &Ray, t: Wide) -> Wide {
     let x = minus(at(ray, t), wide(sphere.center));
     dot(x, x) - Wide::from(sphere.radius) * Wide::from(sphere.radius)
 }
 
-/// `t` of the point of the line that is closest to the centre.
+/// Returns the `t` of the point of the line that is closest to the center.
 fn closest_approach(sphere: &Sphere, ray: &Ray) -> Wide {
     let d = wide(ray.direction);
     dot(minus(wide(sphere.center), wide(ray.origin)), d).over(dot(d, d))
 }
 
-/// Checks every claim of the page about the answer to one ray with `t_min` 0; true if it hits.
+/// Checks all that is documented for one ray with `t_min` 0, and returns whether it hits.
 fn check(sphere: &Sphere, ray: &Ray) -> bool {
     let middle = closest_approach(sphere, ray);
     let passes = side(sphere, ray, middle).0 > 0.0;
@@ -58,7 +58,7 @@ fn check(sphere: &Sphere, ray: &Ray) -> bool {
     true
 }
 
-/// A ray at `distance` from the sphere, aimed at the distance `aside` from its centre.
+/// Returns a ray from `distance` away that passes the center at the distance `aside`.
 fn aimed(random: &mut Random, sphere: &Sphere, distance: f64, aside: f64, length: f64) -> Ray {
     let d = random.direction();
     let target = sphere.center.as_dvec3() + aside * random.across(d);
@@ -77,11 +77,11 @@ fn hard_cases() {
     let to = |t_max, ray: Ray| Ray { t_max, ..ray };
     let ahead = ray([0., 0., -5.], [0., 0., 1.]);
     let table = [
-        // why it is hard                           ray                                              t
-        ("enters in front", ahead, Some(4.0)),
+        // why it is hard, ray, t
+        ("enters from outside", ahead, Some(4.0)),
         ("a direction of length 4", ray([0., 0., -5.], [0., 0., 4.]), Some(1.0)),
-        ("touches: the roots coincide", ray([1., 0., -5.], [0., 0., 1.]), Some(5.0)),
-        ("starts at the centre", ray([0.; 3], [0., 1., 0.]), Some(1.0)),
+        ("tangent: the roots coincide", ray([1., 0., -5.], [0., 0., 1.]), Some(5.0)),
+        ("starts at the center", ray([0.; 3], [0., 1., 0.]), Some(1.0)),
         ("starts on the surface, going in", ray([0., 0., -1.], [0., 0., 1.]), Some(0.0)),
         ("starts on the surface, going out", ray([0., 0., 1.], [0., 0., 1.]), Some(0.0)),
         ("the interval starts on the entry", from(4.0, ahead), Some(4.0)),
@@ -97,8 +97,8 @@ fn hard_cases() {
             Some(-6.0),
         ),
         ("behind", ray([0., 0., 5.], [0., 0., 1.]), None),
-        ("no direction", ray([0., 0., 5.], [0.; 3]), None),
-        ("no direction, inside", ray([0.; 3], [0.; 3]), None),
+        ("a zero direction", ray([0., 0., 5.], [0.; 3]), None),
+        ("a zero direction, inside", ray([0.; 3], [0.; 3]), None),
         ("the smallest direction", ray([0., 0., -5.], [0., 0., 1e-38]), Some(4e38_f64 as f32)),
         ("t overflows", ray([0., 0., -5.], [0., 0., 1e-40]), None),
         ("NaN in the origin", ray([f32::NAN, 0., -5.], [0., 0., 1.]), None),
@@ -117,7 +117,7 @@ fn hard_cases() {
 }
 
 #[test]
-fn a_radius_that_is_not_positive_has_no_surface() {
+fn a_radius_that_is_not_positive_or_not_finite_misses() {
     let through = Ray::new(Vec3::new(0.0, 0.0, -5.0), Vec3::Z);
     for radius in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert_eq!(Sphere { radius, ..BALL }.closest(&through), None, "{radius}");
@@ -125,7 +125,7 @@ fn a_radius_that_is_not_positive_has_no_surface() {
 }
 
 #[test]
-fn distance_costs_no_digit() {
+fn the_distance_of_the_ray_does_not_reduce_the_accuracy() {
     let mut random = Random(1);
     for power in 0..7 {
         let mut hits = 0;
@@ -142,7 +142,7 @@ fn distance_costs_no_digit() {
 }
 
 #[test]
-fn grazing_rays_are_decided_right() {
+fn grazing_rays_are_decided_exactly() {
     let mut random = Random(2);
     for power in 1..12 {
         for sign in [-1.0, 1.0] {
@@ -156,7 +156,7 @@ fn grazing_rays_are_decided_right() {
 }
 
 #[test]
-fn radius_offset_and_length_of_the_direction_cost_no_digit() {
+fn radius_offset_and_length_of_the_direction_do_not_reduce_the_accuracy() {
     let mut random = Random(3);
     for radius in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         for offset in [0.0, 1e3, 1e6] {
@@ -171,7 +171,7 @@ fn radius_offset_and_length_of_the_direction_cost_no_digit() {
 }
 
 #[test]
-fn a_ray_from_inside_leaves_once() {
+fn a_ray_from_inside_hits_the_exit() {
     let mut random = Random(4);
     for _ in 0..20_000 {
         let sphere = somewhere(&mut random, 1.0, 0.0);
@@ -184,7 +184,7 @@ fn a_ray_from_inside_leaves_once() {
 }
 
 #[test]
-fn a_ray_from_the_surface_is_decided_by_the_exact_side() {
+fn a_ray_from_the_surface_is_decided_by_its_exact_side() {
     let mut random = Random(5);
     for _ in 0..20_000 {
         let sphere = somewhere(&mut random, 1.0, 0.0);

@@ -1,4 +1,5 @@
-//! A ray through a shared edge or corner meets a sheet once: no leak, no double.
+//! A ray through a shared edge or corner of a sheet hits it once: there are no leaks and no double
+//! hits.
 
 mod support;
 
@@ -6,8 +7,8 @@ use rotund_geometry::glam::{DVec3, Vec2, Vec3};
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Triangle, vanilla};
 use support::{Random, ray};
 
-/// Two by two skew patches over the square -1..1; each lists its corners from another one, and half of
-/// them the other way round.
+/// Two by two skew patches over the square -1..1. Each lists its corners from a random one on, and
+/// half of them in reverse.
 struct Sheet {
     grid: [[Vec3; 3]; 3],
     patches: [BilinearPatch; 4],
@@ -34,15 +35,17 @@ fn sheet(random: &mut Random) -> Sheet {
     Sheet { grid, patches }
 }
 
-/// A ray at a point of an inner edge, or at the corner that all share, from `distance`.
+/// Returns a ray from `distance` away at a point of an inner edge, or at the corner that all
+/// patches share.
 fn aimed(random: &mut Random, sheet: &Sheet, corner: bool, distance: f64) -> Ray {
     let center = sheet.grid[1][1].as_dvec3();
     let ends = [sheet.grid[0][1], sheet.grid[2][1], sheet.grid[1][0], sheet.grid[1][2]];
     let end = ends[(random.bits() % 4) as usize].as_dvec3();
     let target = if corner { center } else { center.lerp(end, random.range(0.0, 0.97)) };
     let d = loop {
-        // Not so flat that the ray leaves the sheet by its rim and comes back, or meets a patch twice.
-        // The area of the image is linear in u and in v, so the corners tell whether a patch folds.
+        // The ray must be steep, or it may leave the sheet at its rim and come back, or hit a patch
+        // twice. The area of the image is linear in u and in v, so the corners decide whether a
+        // patch folds.
         let d = random.direction();
         let unfolded = |patch: &BilinearPatch| {
             [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into_iter().all(|uv| {
@@ -58,7 +61,7 @@ fn aimed(random: &mut Random, sheet: &Sheet, corner: bool, distance: f64) -> Ray
 }
 
 #[test]
-fn patches_neither_leak_nor_count_twice() {
+fn a_ray_at_a_shared_edge_or_corner_hits_one_of_the_patches() {
     let mut random = Random(1);
     for distance in [0.5, 3.0, 1000.0] {
         for corner in [false, true] {
@@ -75,8 +78,8 @@ fn patches_neither_leak_nor_count_twice() {
 }
 
 #[test]
-fn rays_exactly_through_corners_and_edges_count_once() {
-    // Everything is representable: the ray passes through the corner, and not only near it.
+fn a_ray_exactly_through_a_corner_or_an_edge_hits_one_of_the_patches() {
+    // All numbers are representable, so the ray passes exactly through the corner.
     for dx in -8..=8_i8 {
         for dy in -8..=8_i8 {
             let height = |i: usize, j: usize| if (i + j).is_multiple_of(2) { 0.25 } else { -0.25 };
@@ -98,7 +101,7 @@ fn rays_exactly_through_corners_and_edges_count_once() {
 }
 
 #[test]
-fn triangles_and_quads_neither_leak_nor_count_twice() {
+fn a_ray_at_a_shared_edge_or_corner_hits_one_of_the_triangles_or_quads() {
     let mut random = Random(2);
     for _ in 0..20_000 {
         let sheet = sheet(&mut random);
@@ -128,7 +131,7 @@ fn a_ray_at_the_joint_of_a_chain_of_cones_hits_one_of_them() {
         let r = [(); 3].map(|()| random.range(0.05, 0.3) as f32);
         let first = RoundedCone { p0: p[0], r0: r[0], p1: p[1], r1: r[1] };
         let second = RoundedCone { p0: p[1], r0: r[1], p1: p[2], r1: r[2] };
-        // Anywhere within the shared ball.
+        // The target is anywhere in the shared ball.
         let d = random.direction();
         let target =
             p[1].as_dvec3() + random.direction() * (f64::from(r[1]) * random.range(0.0, 0.999_999));

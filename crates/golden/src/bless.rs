@@ -79,12 +79,12 @@ fn render(
     plan.samples = old.map_or(FEWEST_SAMPLES, |old| old.samples.max(FEWEST_SAMPLES));
     loop {
         // A first look is enough to see that more samples are needed.
-        let first = Moments::measure(subject, &plan, REPLICAS, REFERENCE_SEED);
+        let first = Moments::measure(subject, &plan, REPLICAS, REFERENCE_SEED)?;
         if complaint(&first, pictures)?.is_some() && plan.samples < MOST_SAMPLES {
             plan.samples *= 2;
             continue;
         }
-        let moments = Moments::measure(subject, &plan, REFERENCE_REPLICAS, REFERENCE_SEED);
+        let moments = Moments::measure(subject, &plan, REFERENCE_REPLICAS, REFERENCE_SEED)?;
         match complaint(&moments, pictures)? {
             None => {
                 let surface = subject.surface(width, height);

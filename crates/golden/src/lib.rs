@@ -70,7 +70,7 @@ pub fn examine(
     let plan =
         Plan { width, height, bounces: reference.bounces, samples: reference.samples, sequence };
     let surface = subject.surface(width, height);
-    let actual = Moments::measure(&subject, &plan, REPLICAS, seed);
+    let actual = Moments::measure(&subject, &plan, REPLICAS, seed)?;
     let mut verdict = judge(&actual, &reference.moments, pictures)?;
     verdict.findings.splice(0..0, surface.compare(&reference.surface));
     Ok(Outcome::Judged(Box::new(Judged { reference, actual, surface, verdict })))

@@ -5,8 +5,7 @@ use glam::{DVec3, Vec2};
 use rotund_bvh::Isa;
 use rotund_image::Picture;
 use rotund_scene::{Scene, SceneError, Trees};
-use rotund_trace::{Lights, Options, Sequence, render};
-use std::ops::ControlFlow;
+use rotund_trace::{Lights, Options, RenderError, Sequence, World};
 
 /// A scene that is ready to be looked at through its first camera.
 #[derive(Debug)]
@@ -24,7 +23,7 @@ impl Subject {
     /// If the scene is not valid.
     pub fn new(scene: Scene, isa: Isa) -> Result<Self, SceneError> {
         let trees = Trees::build(&scene)?.with_isa(isa);
-        let lights = Lights::build(&scene);
+        let lights = Lights::build(&scene)?;
         Ok(Self { scene, trees, lights })
     }
 
@@ -79,8 +78,17 @@ pub struct Moments {
 
 impl Moments {
     /// Renders `replicas` pictures. Another `seed` gives others, independent of these.
-    pub fn measure(subject: &Subject, plan: &Plan, replicas: u32, seed: u32) -> Self {
-        let Subject { scene, trees, lights } = subject;
+    ///
+    /// # Errors
+    ///
+    /// If the plan has no pixels, samples or bounces, or the scene no camera.
+    pub fn measure(
+        subject: &Subject,
+        plan: &Plan,
+        replicas: u32,
+        seed: u32,
+    ) -> Result<Self, RenderError> {
+        let world = World::from_parts(&subject.scene, &subject.trees, &subject.lights)?;
         let mut moments = Self::empty(plan.width as usize, plan.height as usize);
         for replica in 0..replicas {
             let options = Options {
@@ -90,15 +98,16 @@ impl Moments {
                 bounces: plan.bounces,
                 seed: u64::from(seed) << 32 | u64::from(replica),
                 sequence: plan.sequence,
+                // The surfaces of the same picture are probed where they are.
+                recenter: false,
                 ..Options::default()
             };
-            let film =
-                render(scene, trees, lights, 0, &options, &mut |_| ControlFlow::Continue(()));
-            moments.rejected += film.rejected;
+            let film = world.render(0, &options)?;
+            moments.rejected += film.rejected();
             let pixels = film.image().pixels.into_iter();
             moments.push(pixels.map(|[r, g, b, _]| DVec3::new(r.into(), g.into(), b.into())));
         }
-        moments.finish()
+        Ok(moments.finish())
     }
 
     fn empty(width: usize, height: usize) -> Self {

@@ -37,6 +37,7 @@ fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Mo
     let (width, height) = (moments.width as u32, moments.height as u32);
     let plan = Plan { width, height, bounces, samples, sequence };
     Moments::measure(&Subject::new(scene, Isa::default_set()).unwrap(), &plan, REPLICAS, 77)
+        .unwrap()
 }
 
 fn verdict(name: &str, actual: &Moments) -> Verdict {

@@ -57,8 +57,7 @@ impl CheckpointArgs {
         options: &Options,
         label: String,
     ) -> Result<(Film, Option<Checkpoint>)> {
-        let mut empty = Film::new(options);
-        empty.label = label;
+        let empty = Film::for_options(options)?.with_label(label);
         let Some(path) = &self.checkpoint else { return Ok((empty, None)) };
         let checkpoint = Checkpoint {
             path: path.clone(),
@@ -73,8 +72,8 @@ impl CheckpointArgs {
             bail!("{} exists: add --resume to go on from it, or remove it", path.display());
         }
         let film = output::load_film(path)?;
-        let of = |film: &Film| (film.width, film.height, film.seed, film.shard);
-        if of(&film) != of(&empty) || film.label != empty.label {
+        let of = |film: &Film| (film.width(), film.height(), film.seed(), film.shard());
+        if of(&film) != of(&empty) || film.label() != empty.label() {
             bail!(
                 "{} is the checkpoint of another picture: it is of {}, not of {}",
                 path.display(),
@@ -83,11 +82,11 @@ impl CheckpointArgs {
             );
         }
         let wanted = options.shard.share_of(options.samples);
-        if film.samples > wanted {
+        if film.samples() > wanted {
             bail!(
                 "{} has {} samples already, more than the {wanted} asked for",
                 path.display(),
-                film.samples
+                film.samples()
             );
         }
         Ok((film, Some(checkpoint)))
@@ -118,9 +117,10 @@ impl Checkpoint {
 
 /// What a film is of, for a person who has to tell it from another.
 pub(crate) fn describe(film: &Film) -> String {
-    let Shard { index, count } = film.shard;
+    let Shard { index, count } = film.shard();
     let shard = if count > 1 { format!(", shard {}/{count}", index + 1) } else { String::new() };
-    format!("{}, {} x {}, seed {}{shard}", film.label, film.width, film.height, film.seed)
+    let (label, width, height, seed) = (film.label(), film.width(), film.height(), film.seed());
+    format!("{label}, {width} x {height}, seed {seed}{shard}")
 }
 
 /// What a film is of, in words, with a hash of the whole scene.
@@ -137,7 +137,10 @@ pub(crate) fn label(scene: &NamedScene, camera: usize, options: &Options) -> Str
         label += &format!(", {:?} numbers", options.sequence).to_lowercase();
     }
     if options.view != usual.view {
-        label += &format!(", view {:?}", options.view);
+        label += &format!(", view {}", options.view);
+    }
+    if options.transparent {
+        label += ", transparent";
     }
     if let Some(clamp) = options.clamp {
         label += &format!(", clamped to {clamp}");

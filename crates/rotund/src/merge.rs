@@ -45,9 +45,9 @@ pub(crate) fn run(args: Args) -> Result<()> {
     say(format!(
         "{}: {} x {}, {} samples of {} shards{}",
         args.out.display(),
-        film.width,
-        film.height,
-        film.samples,
+        film.width(),
+        film.height(),
+        film.samples(),
         films.len(),
         odd_samples(&film)
     ))

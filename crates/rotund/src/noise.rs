@@ -15,7 +15,7 @@ use rotund_image::metrics::noise;
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
 use rotund_scene::Trees;
-use rotund_trace::{Film, Options, Sequence};
+use rotund_trace::{Film, Options, Sequence, World};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -67,7 +67,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         );
     }
     enhance(&mut scene.scene, &if args.vanilla { Vec::new() } else { args.picture.kinds.kinds() });
-    let trees = Trees::build(&scene.scene)?;
+    let world = World::new(&scene.scene)?;
     let mut table = Table::new(&["sampler", "samples", "seconds", "noise", "seconds x noise"]);
     let mut curves = Vec::new();
     for (index, (name, sequence)) in
@@ -78,11 +78,12 @@ pub(crate) fn run(args: Args) -> Result<()> {
         let (start, mut reading_time) = (Instant::now(), Duration::ZERO);
         let mut read = |film: &Film| {
             let now = start.elapsed();
-            // As even on a logarithmic axis as passes allow.
-            let due = readings.last().is_none_or(|last| film.samples >= 2 * last.samples);
-            if due || film.samples == options.samples {
+            // As evenly on a logarithmic axis as passes allow. The number of samples of a film rises at
+            // the end of a pass, when all pixels have as many.
+            let due = readings.last().map_or(1, |last| 2 * last.samples).min(options.samples);
+            if film.samples() >= due {
                 readings.push(Reading {
-                    samples: film.samples,
+                    samples: film.samples(),
                     seconds: (now - reading_time).as_secs_f64(),
                     noise: noise(&Picture::from(&film.image()), &reference),
                 });
@@ -90,8 +91,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
             reading_time += start.elapsed() - now;
         };
         let shot = args.picture.shot.with_threads(|| {
-            let film = Film::new(&options);
-            take_on(film, &scene.scene, &trees, camera, &options, name, &mut read)
+            let film = Film::for_options(&options)?;
+            take_on(film, &world, camera, &options, name, &mut read)
         })?;
         if shot.interrupted {
             bail!(Cancelled("nothing was written".to_owned()));

@@ -3,6 +3,7 @@
 #![expect(clippy::print_stderr, reason = "progress is for the person, not for a pipe")]
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rotund_trace::Progress;
 use std::io::{IsTerminal as _, stderr};
 use std::time::Duration;
 
@@ -29,11 +30,12 @@ impl Meter {
         Self { label: label.to_owned(), samples, bar, next_line: LINE_EVERY }
     }
 
-    /// `done` samples of each pixel and `rays` rays were traced in `elapsed`.
-    pub(crate) fn update(&mut self, done: u32, rays: u64, elapsed: Duration) {
+    /// Shows the state of a render.
+    pub(crate) fn update(&mut self, progress: &Progress<'_>) {
+        let (done, elapsed) = (progress.film.samples(), progress.elapsed);
         let seconds = elapsed.as_secs_f64();
-        let left = seconds * f64::from(self.samples - done) / f64::from(done.max(1));
-        let rate = rays as f64 / seconds.max(1e-9);
+        let left = seconds * (1.0 / progress.fraction().max(1e-9) - 1.0);
+        let rate = progress.rays as f64 / seconds.max(1e-9);
         let state = format!("{}, {} left", rays_per_second(rate), time(left));
         if let Some(bar) = &self.bar {
             bar.set_position(u64::from(done));

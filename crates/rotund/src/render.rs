@@ -5,12 +5,11 @@ use crate::checkpoint::{self, Checkpoint, CheckpointArgs};
 use crate::kinds::enhance;
 use crate::output::check_image_file;
 use crate::progress::rays_per_second;
-use crate::shot::{PictureArgs, brought_near, odd_samples, take_on};
+use crate::shot::{PictureArgs, odd_samples, take_on};
 use anyhow::{Result, bail};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rotund_report::console::say;
-use rotund_scene::{SceneError, Trees};
-use rotund_trace::{Film, Options, View, output};
-use std::borrow::Cow;
+use rotund_trace::{Film, Options, View, World, output};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -32,55 +31,10 @@ enum Mode {
     Enhanced,
 }
 
-/// What a picture shows.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum ViewKind {
-    /// The light.
-    Path,
-    /// What is lost of radiance 1 from everywhere: white is nothing.
-    Furnace,
-    /// Colours in the light of a lamp at the eye: a quick look.
-    Eyelight,
-    /// The position in the bounds of the scene.
-    Position,
-    /// The geometric normal.
-    GeometricNormal,
-    /// The shading normal.
-    ShadingNormal,
-    /// The parameters of the element.
-    Uv,
-    /// Texture coordinates.
-    Texcoord,
-    /// A colour for each element.
-    Element,
-    /// A colour for each instance.
-    Instance,
-    /// Blue for enhanced, orange for vanilla, grey for triangles.
-    Method,
-    /// A colour for each material.
-    Material,
-    /// The bound on the error of the hit: blue for none, green for 31 roundings, red for 1023.
-    Error,
-}
-
-impl ViewKind {
-    fn view(self) -> View {
-        match self {
-            Self::Path => View::Path,
-            Self::Furnace => View::Furnace,
-            Self::Eyelight => View::Eyelight,
-            Self::Position => View::Position,
-            Self::GeometricNormal => View::GeometricNormal,
-            Self::ShadingNormal => View::ShadingNormal,
-            Self::Uv => View::Uv,
-            Self::Texcoord => View::Texcoord,
-            Self::Element => View::Element,
-            Self::Instance => View::Instance,
-            Self::Method => View::Method,
-            Self::Material => View::Material,
-            Self::Error => View::Error,
-        }
-    }
+/// The parser of `--view`, with a line of help for each view.
+fn view_parser() -> impl TypedValueParser<Value = View> {
+    let value = |view: View| PossibleValue::new(view.name()).help(view.description());
+    PossibleValuesParser::new(View::ALL.map(value)).try_map(|name| name.parse::<View>())
 }
 
 /// Options of `render`.
@@ -93,8 +47,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE.{png,exr,hdr}", required_unless_present = "checkpoint")]
     out: Option<PathBuf>,
     /// What the picture shows.
-    #[arg(long, value_enum, default_value = "path")]
-    view: ViewKind,
+    #[arg(long, value_parser = view_parser(), default_value = "path")]
+    view: View,
+    /// Hide the environment from the camera: the background is transparent. It lights the scene all
+    /// the same.
+    #[arg(long)]
+    transparent: bool,
     /// Add albedo, normal, depth, position and ids to the image as layers; it must be an exr.
     #[arg(long, requires = "out")]
     layers: bool,
@@ -117,7 +75,14 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
     let shard = args.checkpoint.shard.unwrap_or_default();
-    let options = Options { view: args.view.view(), shard, ..options };
+    let options = Options {
+        view: args.view,
+        transparent: args.transparent,
+        shard,
+        // Layers show positions where they are, and the picture must be of the same rays.
+        recenter: !args.layers,
+        ..options
+    };
     let (label, kinds) = match args.mode {
         Mode::Vanilla => ("vanilla", Vec::new()),
         Mode::Enhanced => ("enhanced", args.picture.kinds.kinds()),
@@ -126,23 +91,16 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let label_of_film = checkpoint::label(&scene, camera, &options);
     let (film, mut checkpoint) = args.checkpoint.open(&options, label_of_film)?;
     let (shot, layers) = args.picture.shot.with_threads(|| {
-        // Positions are told as they are; light does not care where the origin is.
-        let shows_light = options.view == View::Path && !args.layers;
-        let near = if shows_light {
-            brought_near(&scene.scene, camera)
-        } else {
-            Cow::Borrowed(&scene.scene)
-        };
-        let trees = Trees::build(&near)?;
+        let world = World::new(&scene.scene)?;
         let mut keep = |film: &Film| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.update(film);
             }
         };
-        let shot = take_on(film, &near, &trees, camera, &options, label, &mut keep);
-        let layers = args.layers.then(|| rotund_trace::layers(&near, &trees, camera, &options));
-        Ok::<_, SceneError>((shot, layers))
-    })??;
+        let shot = take_on(film, &world, camera, &options, label, &mut keep)?;
+        let layers = args.layers.then(|| world.layers(camera, &options)).transpose()?;
+        Ok((shot, layers))
+    })?;
     if let Some(checkpoint) = &checkpoint {
         checkpoint.save(&shot.film)?;
     }
@@ -157,13 +115,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let files = files.join(" and ");
     if shot.interrupted {
         let wanted = options.shard.share_of(options.samples);
-        bail!(Cancelled(format!("{files}: {} of {wanted} samples", shot.film.samples)));
+        bail!(Cancelled(format!("{files}: {} of {wanted} samples", shot.film.samples())));
     }
     say(format!(
         "{files}: {} x {}, {} samples in {:.2} s, {}{}",
         options.width,
         options.height,
-        shot.film.samples,
+        shot.film.samples(),
         shot.render_seconds,
         rays_per_second(shot.rays_per_second()),
         odd_samples(&shot.film)

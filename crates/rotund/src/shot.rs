@@ -5,9 +5,8 @@ use crate::kinds::KindArgs;
 use crate::progress::Meter;
 use crate::scene_source::{LoadArgs, NamedScene, find_camera, load};
 use anyhow::{Context, Result};
-use rotund_scene::{Scene, Trees};
-use rotund_trace::{Film, Lights, Options, Sequence, resume};
-use std::borrow::Cow;
+use rotund_scene::Scene;
+use rotund_trace::{Film, Options, Sequence, World};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -98,10 +97,10 @@ impl ShotArgs {
     }
 
     /// Runs `work` with as many threads as asked for.
-    pub fn with_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T> {
+    pub fn with_threads<T: Send>(&self, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
         let count = self.threads.unwrap_or(0) as usize;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
-        Ok(pool.context("cannot start the threads of the renderer")?.install(work))
+        pool.context("cannot start the threads of the renderer")?.install(work)
     }
 }
 
@@ -133,8 +132,8 @@ impl Shot {
 
 /// Renders a scene as its shapes say, with a progress meter under the name `label`. Ctrl-C ends it
 /// early.
-pub fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Shot {
-    take_from(Film::new(options), scene, camera, options, label)
+pub fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Result<Shot> {
+    take_from(Film::for_options(options)?, scene, camera, options, label)
 }
 
 /// Adds samples to a picture until it has `samples` of them. Times and rays are those of the whole.
@@ -145,87 +144,66 @@ pub fn take_more(
     shot: &Shot,
     samples: u32,
     label: &str,
-) -> Shot {
+) -> Result<Shot> {
     let options = Options { samples, ..options.clone() };
-    let more = take_from(shot.film.clone(), scene, camera, &options, label);
-    Shot {
+    let more = take_from(shot.film.clone(), scene, camera, &options, label)?;
+    Ok(Shot {
         build_seconds: shot.build_seconds,
         render_seconds: shot.render_seconds + more.render_seconds,
         rays: shot.rays + more.rays,
         samples: shot.samples + more.samples,
         ..more
-    }
+    })
 }
 
-fn take_from(film: Film, scene: &Scene, camera: usize, options: &Options, label: &str) -> Shot {
-    let scene = &*brought_near(scene, camera);
-    let start = Instant::now();
-    let trees = Trees::build(scene).expect("a scene that loads is valid");
-    let build_seconds = start.elapsed().as_secs_f64();
-    let mut shot = take_on(film, scene, &trees, camera, options, label, &mut |_| {});
-    shot.build_seconds += build_seconds;
-    shot
-}
-
-/// The scene about its camera, if the origin of the world is so far away that it costs digits; else the
-/// scene as it is.
-pub fn brought_near(scene: &Scene, camera: usize) -> Cow<'_, Scene> {
-    let eye = scene.cameras[camera].world_from_camera.translation;
-    let frames = scene.instances.iter().map(|instance| instance.world_from_object.translation);
-    let reach = frames.map(|place| place.distance(eye)).fold(0.0, f32::max);
-    if eye.length() <= FAR * reach {
-        return Cow::Borrowed(scene);
-    }
-    let mut near = scene.clone();
-    near.recenter(eye);
-    Cow::Owned(near)
-}
-
-/// The origin is far if it is this many times as far from the camera as the farthest instance. It costs
-/// four bits then, which nobody sees; pictures of ordinary scenes do not depend on it.
-const FAR: f32 = 16.0;
-
-/// [`take`] with a film that may have samples already; `each_pass` is shown the film now and then.
-pub fn take_on(
-    mut film: Film,
+fn take_from(
+    film: Film,
     scene: &Scene,
-    trees: &Trees,
     camera: usize,
     options: &Options,
     label: &str,
-    each_pass: &mut dyn FnMut(&Film),
-) -> Shot {
-    let cancel = Cancel::listen();
+) -> Result<Shot> {
     let start = Instant::now();
-    let lights = Lights::build(scene);
+    let world = World::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
+    let shot = take_on(film, &world, camera, options, label, &mut |_| {})?;
+    Ok(Shot { build_seconds, ..shot })
+}
 
+/// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report` is
+/// shown the film several times a second; Ctrl-C ends the render early. The world was built by the caller.
+pub fn take_on(
+    mut film: Film,
+    world: &World<'_>,
+    camera: usize,
+    options: &Options,
+    label: &str,
+    each_report: &mut dyn FnMut(&Film),
+) -> Result<Shot> {
+    let cancel = Cancel::listen();
     let wanted = options.shard.share_of(options.samples);
-    let before = film.samples;
     let mut meter = Meter::new(label, wanted);
-    let mut rays = 0;
+    let (mut rays, mut samples) = (0, 0);
     let start = Instant::now();
-    resume(&mut film, scene, trees, &lights, camera, options, &mut |progress| {
-        rays = progress.rays;
-        meter.update(progress.film.samples, progress.rays, progress.elapsed);
-        each_pass(progress.film);
+    world.resume(&mut film, camera, options, &mut |progress| {
+        (rays, samples) = (progress.rays, progress.samples);
+        meter.update(progress);
+        each_report(progress.film);
         if cancel.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
+    })?;
     let render_seconds = start.elapsed().as_secs_f64();
     meter.finish();
-    let pixels = u64::from(film.width) * u64::from(film.height);
-    let samples = pixels * u64::from(film.samples - before);
-    let interrupted = film.samples < wanted;
-    Shot { film, build_seconds, render_seconds, rays, samples, interrupted }
+    let interrupted = film.samples() < wanted;
+    Ok(Shot { film, build_seconds: 0.0, render_seconds, rays, samples, interrupted })
 }
 
 /// What is to be said of samples that are not as they should be; nothing if all are.
 pub fn odd_samples(film: &Film) -> String {
     let mut text = String::new();
     for (count, what) in [
-        (film.rejected, "no radiance, counted as black"),
-        (film.fireflies, "brighter than any light"),
-        (film.clamped, "clamped"),
+        (film.rejected(), "no radiance, counted as black"),
+        (film.fireflies(), "brighter than any light"),
+        (film.clamped(), "clamped"),
     ] {
         if count > 0 {
             text += &format!("; samples {what}: {count}");

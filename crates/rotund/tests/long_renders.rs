@@ -91,7 +91,7 @@ impl Place {
 const PICTURE: &str = "render scene.json --resolution 48 --samples 3000 --seed 7";
 
 fn samples(path: &Path) -> u32 {
-    load_film(path).expect("a checkpoint").samples
+    load_film(path).expect("a checkpoint").samples()
 }
 
 #[test]
@@ -187,7 +187,8 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
         ("--mode vanilla", ["another picture", "scene ("]),
         ("--sampler independent", ["another picture", "independent numbers"]),
         ("--clamp 10", ["another picture", "clamped to 10"]),
-        ("--view uv", ["another picture", "view Uv"]),
+        ("--transparent", ["another picture", ", transparent"]),
+        ("--view uv", ["another picture", "view uv"]),
         ("--shard 1/2", ["another picture", "shard 1/2"]),
         ("--samples 3", ["has 4 samples already", "the 3 asked for"]),
     ] {

@@ -1,6 +1,6 @@
 //! A path tracer for scenes of spheres, rounded cones and bilinear patches.
 //!
-//! [`render`] follows paths from a camera: at each vertex one direction is drawn from the [`Lights`] and
+//! [`World::render`] follows paths from a camera: at each vertex one direction is drawn from the [`Lights`] and
 //! one from the [`Bsdf`], joined by multiple importance sampling. What it leaves is a [`Film`], whose sums
 //! are exact: any order of samples, any number of threads, any interruption and any division into
 //! [`Shard`]s makes the same bits. [`output`] writes pictures and checkpoints.
@@ -9,9 +9,8 @@
 //! surface; radiance is linear Rec. 709; a pdf is per solid angle unless its name says `pdf_area`.
 //!
 //! ```
-//! use rotund_scene::{Camera, Environment, Scene, Trees};
-//! use rotund_trace::{Lights, Options, render};
-//! use std::ops::ControlFlow;
+//! use rotund_trace::scene::{Camera, Environment, Scene};
+//! use rotund_trace::{Options, World};
 //!
 //! let sky = Environment {
 //!     name: "sky".into(),
@@ -21,37 +20,48 @@
 //! };
 //! let scene =
 //!     Scene { cameras: vec![Camera::default()], environments: vec![sky], ..Scene::default() };
-//! let (trees, lights) = (Trees::build(&scene)?, Lights::build(&scene));
 //! let options = Options { width: 3, height: 2, samples: 4, ..Options::default() };
-//! let film = render(&scene, &trees, &lights, 0, &options, &mut |progress| {
-//!     println!("{} samples after {:?}", progress.film.samples, progress.elapsed);
-//!     ControlFlow::Continue(())
-//! });
+//! let film = World::new(&scene)?.render(0, &options)?;
 //! assert_eq!(film.image().pixels[0], [0.2, 0.4, 0.8, 1.0]);
-//! # Ok::<(), rotund_scene::SceneError>(())
+//! # Ok::<(), rotund_trace::RenderError>(())
 //! ```
 
 pub mod bsdf;
+mod camera_ray;
+mod context;
 mod distribution;
+mod error;
+mod false_color;
 mod film;
+mod layers;
 mod light;
 mod medium;
 mod mis;
+mod near;
+mod opacity;
+mod options;
 pub mod output;
 mod path;
 pub mod phase;
 mod render;
 mod sampler;
 mod shadow;
+mod shard;
 mod view;
 pub mod warp;
+mod world;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue};
-pub use film::{Film, MergeError, Shard};
-pub use light::Lights;
+pub use camera_ray::camera_ray;
+pub use error::RenderError;
+pub use film::{Film, FilmError, FilmSample, MergeError, Progress};
+pub use layers::Layers;
+pub use light::{LightSample, LightSource, Lights, Receiver};
 pub use mis::power_heuristic;
-pub use render::{Options, Progress, render, resume};
+pub use options::Options;
 pub use rotund_image::{self as image, Image};
 pub use rotund_scene as scene;
 pub use sampler::{Sampler, Sequence};
-pub use view::{Layers, View, layers};
+pub use shard::Shard;
+pub use view::{UnknownView, View};
+pub use world::World;

@@ -1,10 +1,11 @@
 //! How much light gets from a light source to a vertex of a path.
 
+use crate::context::Context;
 use crate::light::LightSource;
 use crate::medium::{Media, Medium};
-use crate::path::{SHEETS, World};
+use crate::opacity::SHEETS;
 use glam::Vec3;
-use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
+use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{MaterialKind, SceneHit};
 use std::borrow::Cow;
 
@@ -26,7 +27,7 @@ pub(crate) struct Target<'a> {
     pub(crate) borders: u32,
 }
 
-impl World<'_> {
+impl Context<'_> {
     /// The share of the light that arrives, and how many rays it took to know.
     ///
     /// What is partly opaque takes its part; clouds take what they absorb and scatter; all else blocks.
@@ -39,16 +40,10 @@ impl World<'_> {
         let incoming = target.incoming;
         // Copied only where the way crosses a border.
         let mut media = Cow::Borrowed(media);
-        // Both ends leave their surfaces. How far along the ray an end is off its surface can be
-        // less than the rounding of `t`, which is some units in the last place.
-        let end = target
-            .source
-            .map(|source| leave_surface(source.position, source.error, source.normal, -incoming));
-        let segment = |origin: Vec3| match end {
-            None => Ray::new(origin, incoming),
-            Some(end) => {
-                Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, end - origin) }
-            }
+        let end = target.source.map(|source| source.end(incoming));
+        let segment = |origin: Vec3| match (target.source, end) {
+            (Some(source), Some(end)) => source.shadow_ray(end, origin),
+            _ => Ray::new(origin, incoming),
         };
         // What the last piece of the way lets through: none of it is in a medium without end.
         let last_piece = |media: &Media, origin: Vec3| match end {
@@ -67,7 +62,7 @@ impl World<'_> {
             Departure::Inside(position) => *position,
         };
         let mut ray = segment(origin);
-        if self.opaque {
+        if self.facts.opaque {
             let blocked = self.trees.any(self.scene, &ray);
             return (if blocked { Vec3::ZERO } else { last_piece(&media, origin) }, 1);
         }

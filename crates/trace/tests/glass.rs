@@ -2,10 +2,9 @@
 
 use glam::{Affine3A, Vec3};
 use rotund_scene::{
-    Camera, Elements, Environment, Instance, Material, MaterialKind, Method, Scene, Shape, Trees,
+    Camera, Elements, Environment, Instance, Material, MaterialKind, Method, Scene, Shape,
 };
-use rotund_trace::{Lights, Options, View, render};
-use std::ops::ControlFlow;
+use rotund_trace::{Options, View, World};
 
 /// Elements, and the balls that are their vertices.
 type Solid = (Elements, &'static [[f32; 4]]);
@@ -54,10 +53,8 @@ fn furnace(scene: &Scene) -> [f64; 3] {
 fn pixels(scene: &Scene, view: View) -> [f64; 3] {
     let options =
         Options { width: 48, height: 32, samples: 64, bounces: 4096, view, ..Options::default() };
-    let (trees, lights) = (Trees::build(scene).expect("the scene is valid"), Lights::build(scene));
-    let film =
-        render(scene, &trees, &lights, 0, &options, &mut |_| ControlFlow::<()>::Continue(()));
-    assert_eq!(film.rejected, 0, "every sample is a radiance");
+    let film = World::new(scene).expect("a valid scene").render(0, &options).expect("a picture");
+    assert_eq!(film.rejected(), 0, "every sample is a radiance");
     let pixels = film.image().pixels;
     let values = || pixels.iter().map(|pixel| f64::from(pixel[0]));
     [

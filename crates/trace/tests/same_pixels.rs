@@ -2,11 +2,9 @@
 
 mod support;
 
-use rotund_scene::{Scene, Trees};
+use rotund_scene::Scene;
 use rotund_trace::output::{load_film, save_film, write_image, write_layers};
-use rotund_trace::{
-    Film, Image, Lights, MergeError, Options, Progress, Shard, View, layers, render, resume,
-};
+use rotund_trace::{Film, Image, MergeError, Options, Progress, RenderError, Shard, View, World};
 use std::ops::ControlFlow;
 
 const OPTIONS: Options = Options {
@@ -19,21 +17,14 @@ const OPTIONS: Options = Options {
     seed: 5,
     sequence: rotund_trace::Sequence::Sobol,
     shard: Shard { index: 0, count: 1 },
+    transparent: false,
+    recenter: true,
 };
 
 fn picture(scene: &Scene, options: &Options, threads: usize) -> Film {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    let (trees, lights) = (Trees::build(scene).expect("the scene is valid"), Lights::build(scene));
-    pool.install(|| {
-        render(
-            scene,
-            &trees,
-            &lights,
-            0,
-            options,
-            &mut |_: &Progress<'_>| ControlFlow::Continue(()),
-        )
-    })
+    pool.install(|| World::new(scene).expect("a valid scene").render(0, options))
+        .expect("a picture")
 }
 
 #[test]
@@ -41,8 +32,8 @@ fn one_thread_and_two_make_the_same_bits() {
     let scene = support::glass_over_a_floor();
     let one = picture(&scene, &OPTIONS, 1);
     assert_eq!(one, picture(&scene, &OPTIONS, 2));
-    assert_eq!(one.samples, OPTIONS.samples);
-    assert_eq!(one.rejected, 0);
+    assert_eq!(one.samples(), OPTIONS.samples);
+    assert_eq!(one.rejected(), 0);
 }
 
 #[test]
@@ -52,40 +43,131 @@ fn another_seed_is_another_picture() {
     assert_ne!(picture(&scene, &OPTIONS, 2), picture(&scene, &other, 2));
 }
 
+/// Renders until `progress` has been called this often.
+fn begun(world: &World<'_>, options: &Options, mut calls: u32) -> Film {
+    let film = world.render_with(0, options, &mut |_| {
+        calls -= 1;
+        if calls == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    film.expect("a picture")
+}
+
+/// A picture of several batches, so that it can be interrupted in the middle of a pass.
+const LARGER: Options = Options { width: 160, height: 120, samples: 3, bounces: 3, ..OPTIONS };
+
 #[test]
 fn a_picture_that_was_interrupted_and_resumed_is_the_same() {
     let scene = support::glass_over_a_floor();
-    let (trees, lights) =
-        (Trees::build(&scene).expect("the scene is valid"), Lights::build(&scene));
-    let film = render(&scene, &trees, &lights, 0, &OPTIONS, &mut |progress: &Progress<'_>| {
-        if progress.film.samples >= 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
-    assert!(film.samples < OPTIONS.samples, "it was not interrupted");
+    let world = World::new(&scene).expect("a valid scene");
+    let film = begun(&world, &LARGER, 2);
+    assert!(film.samples() < LARGER.samples, "it was not interrupted");
     // By way of a file, as another process would.
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("half.film");
     save_film(&path, &film).expect("it is saved");
     let mut film = load_film(&path).expect("it is loaded");
     let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
-    resume(&mut film, &scene, &trees, &lights, 0, &OPTIONS, go_on);
-    assert_eq!(film, picture(&scene, &OPTIONS, 2));
+    world.resume(&mut film, 0, &LARGER, go_on).expect("it is resumed");
+    assert_eq!(film, picture(&scene, &LARGER, 2));
+}
+
+#[test]
+fn an_interruption_after_every_batch_loses_nothing() {
+    let scene = support::glass_over_a_floor();
+    let world = World::new(&scene).expect("a valid scene");
+    let whole = picture(&scene, &LARGER, 2);
+    for every in [1, 2, 3] {
+        let mut film = begun(&world, &LARGER, 1);
+        let (mut runs, mut uneven) = (1, 0);
+        while film.samples() < LARGER.samples {
+            let first = film.samples_at(0, 0).expect("a pixel");
+            uneven += u32::from(first > film.samples());
+            // The image is right where a pass was interrupted: pixels are means of their own samples.
+            let image = film.image();
+            let done = film.samples() > 0;
+            assert!(image.pixels.iter().all(|p| p[3] == 1.0 || !done && p[3] == 0.0));
+            let mut calls = 0;
+            let mut stop = |_: &Progress<'_>| {
+                calls += 1;
+                if calls == every { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            world.resume(&mut film, 0, &LARGER, &mut stop).expect("it is resumed");
+            runs += 1;
+        }
+        assert!(runs > 3 && uneven > 0, "{runs} runs, {uneven} of them began within a pass");
+        assert_eq!(film, whole, "interrupted at every {every}-th report");
+    }
 }
 
 #[test]
 fn progress_counts_samples_and_rays() {
     let scene = support::glass_over_a_floor();
-    let (trees, lights) =
-        (Trees::build(&scene).expect("the scene is valid"), Lights::build(&scene));
     let mut last = (0, 0);
-    render(&scene, &trees, &lights, 0, &OPTIONS, &mut |progress: &Progress<'_>| {
-        let now = (progress.film.samples, progress.rays);
-        assert!(now.0 > last.0 && now.1 > last.1, "{now:?} after {last:?}");
-        last = now;
-        ControlFlow::Continue(())
-    });
-    assert_eq!(last.0, OPTIONS.samples);
-    let paths = u64::from(OPTIONS.width * OPTIONS.height * OPTIONS.samples);
-    assert!(last.1 >= paths, "each path has a camera ray");
+    let all = u64::from(OPTIONS.width * OPTIONS.height * OPTIONS.samples);
+    let film =
+        World::new(&scene).expect("a valid scene").render_with(0, &OPTIONS, &mut |progress| {
+            let now = (progress.samples, progress.rays);
+            assert!(now.0 > last.0 && now.1 > last.1, "{now:?} after {last:?}");
+            assert_eq!(progress.total, all);
+            assert_eq!(progress.fraction(), now.0 as f64 / all as f64);
+            last = now;
+            ControlFlow::Continue(())
+        });
+    assert_eq!(film.expect("a picture").samples(), OPTIONS.samples);
+    assert_eq!(last.0, all);
+    assert!(last.1 >= all, "each path has a camera ray");
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused_and_the_culprit_is_named() {
+    let scene = support::glass_over_a_floor();
+    let world = World::new(&scene).expect("a valid scene");
+    let table = [
+        (1, OPTIONS, "there is no camera 1: the scene has 1, counted from 0"),
+        (0, Options { width: 0, ..OPTIONS }, "option `width` is 0; it must be at least 1"),
+        (0, Options { height: 0, ..OPTIONS }, "option `height` is 0; it must be at least 1"),
+        (0, Options { samples: 0, ..OPTIONS }, "option `samples` is 0; it must be at least 1"),
+        (0, Options { bounces: 0, ..OPTIONS }, "option `bounces` is 0; it must be at least 1"),
+        (
+            0,
+            Options { shard: Shard { index: 2, count: 2 }, ..OPTIONS },
+            "shard 2 is out of range: 2 shards are counted from 0",
+        ),
+        (
+            0,
+            Options { clamp: Some(f32::NAN), ..OPTIONS },
+            "option `clamp` is NaN; it must be a positive number",
+        ),
+        (
+            0,
+            Options { width: u32::MAX, height: u32::MAX, ..OPTIONS },
+            "a film of 4294967295 x 4294967295 does not fit into memory: it takes 64 bytes a pixel",
+        ),
+    ];
+    for (camera, options, message) in table {
+        let error = world.render(camera, &options).expect_err(message);
+        assert_eq!(error.to_string(), message);
+        if !matches!(error, RenderError::Film(_)) {
+            let error = world.layers(camera, &options).expect_err(message);
+            assert_eq!(error.to_string(), message);
+        }
+    }
+    let mut film = Film::for_options(&OPTIONS).expect("a film");
+    let empty = film.clone();
+    for (options, message) in [
+        (Options { width: 49, ..OPTIONS }, "width is 48, that of the options 49"),
+        (Options { height: 31, ..OPTIONS }, "height is 32, that of the options 31"),
+        (Options { seed: 6, ..OPTIONS }, "seed is 5, that of the options 6"),
+        (
+            Options { shard: Shard { index: 1, count: 2 }, ..OPTIONS },
+            "shard is 0 of 1, that of the options 1 of 2",
+        ),
+    ] {
+        let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
+        let error = world.resume(&mut film, 0, &options, go_on).expect_err(message);
+        assert_eq!(error.to_string(), format!("cannot resume the film: its {message}"));
+        assert_eq!(film, empty);
+    }
 }
 
 #[test]
@@ -96,7 +178,7 @@ fn shards_make_the_same_picture_together() {
         picture(&scene, &options, 2)
     };
     let parts = [shard(2), shard(0), shard(1)];
-    assert_eq!(parts.each_ref().map(|film| film.samples), [2, 3, 3]);
+    assert_eq!(parts.each_ref().map(Film::samples), [2, 3, 3]);
     assert_eq!(Film::merge(&parts), Ok(picture(&scene, &OPTIONS, 2)));
 
     let [a, b, c] = parts;
@@ -104,8 +186,8 @@ fn shards_make_the_same_picture_together() {
     assert_eq!(twice, Err(MergeError::Shards { index: 0, count: 3, times: 2 }));
     let missing = Film::merge(&[a.clone(), b.clone()]);
     assert_eq!(missing, Err(MergeError::Shards { index: 1, count: 3, times: 0 }));
-    let mut other = c;
-    other.seed = 9;
+    let other = c;
+    let other = other.with_seed(9);
     assert_eq!(Film::merge(&[a, b, other]), Err(MergeError::Different { number: 3 }));
     assert_eq!(Film::merge(&[]), Err(MergeError::Nothing));
 }
@@ -119,9 +201,11 @@ fn a_damaged_checkpoint_is_refused() {
     let good = std::fs::read(&path).expect("it is there");
     let flipped: Vec<u8> =
         good.iter().enumerate().map(|(i, &byte)| if i == 9000 { byte ^ 4 } else { byte }).collect();
-    let table: [(&str, &[u8], &str); 4] = [
+    let older = [b"rotund film 002\n", &good[16..]].concat();
+    let table: [(&str, &[u8], &str); 5] = [
         ("cut short", &good[..good.len() - 60], "damaged"),
         ("a bit flipped", &flipped, "damaged"),
+        ("of the version before", &older, "of another version of the format: render it again"),
         ("empty", &[], "not a checkpoint"),
         ("something else", b"P6 640 480 255 and so on and so on", "not a checkpoint"),
     ];
@@ -137,8 +221,7 @@ fn a_damaged_checkpoint_is_refused() {
 fn a_picture_written_again_has_the_same_bytes() {
     let scene = support::glass_over_a_floor();
     let options = Options { width: 300, height: 200, samples: 1, ..OPTIONS };
-    let trees = Trees::build(&scene).expect("the scene is valid");
-    let layers = layers(&scene, &trees, 0, &options);
+    let layers = World::new(&scene).expect("a valid scene").layers(0, &options).expect("layers");
     // Tiles of very unequal work.
     let value = |i: u32| if i % 300 < 150 { 0.25 } else { (i as f32 * 0.7).sin().exp() };
     let pixels = (0..300 * 200).map(|i| [value(i), value(i + 1), value(i + 2), 1.0]).collect();

@@ -1,4 +1,4 @@
-//! What the tests share: seeded random numbers, hard rays, and arithmetic of 106 bits.
+//! Shared by the integration tests: seeded random numbers, and double-double arithmetic.
 #![allow(dead_code, unused_imports, reason = "each test file uses a part")]
 
 #[path = "../../src/test_random.rs"]
@@ -15,7 +15,10 @@ pub(crate) fn ray(origin: DVec3, direction: DVec3) -> Ray {
     Ray::new(origin.as_vec3(), direction.as_vec3())
 }
 
-/// `high + low`, 106 bits; the error of a product comes from a fused multiply-add.
+/// A double-double, `high + low`, with 106 bits.
+///
+/// It is written independently of the one under test: the error of a product comes from a fused
+/// multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(crate) struct Wide(pub(crate) f64, pub(crate) f64);
 
@@ -102,25 +105,25 @@ pub(crate) fn dot(a: Wide3, b: Wide3) -> Wide {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The point of a ray at a `t` of any precision.
+/// Returns the point of a ray at an exact `t`.
 pub(crate) fn at(ray: &Ray, t: Wide) -> Wide3 {
     let (o, d) = (wide(ray.origin), wide(ray.direction));
     [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]
 }
 
-/// The smallest and the largest real that round to `t`, a little widened.
+/// Returns the smallest and the largest real that round to `t`, slightly widened.
 pub(crate) fn rounding_interval(t: f32) -> [Wide; 2] {
     let (t, below, above) = (f64::from(t), f64::from(t.next_down()), f64::from(t.next_up()));
     let slack = 1e-12 * (above - below);
     [Wide::from(0.5 * (t + below) - slack), Wide::from(0.5 * (t + above) + slack)]
 }
 
-/// Largest of the coordinates and `size`, in units of 2⁻²⁴.
+/// Returns `2⁻²⁴` times the larger of the length of `p` and `size`.
 pub(crate) fn local_unit(p: Vec3, size: f32) -> f64 {
     f64::from(p.length().max(size)) * 2.0_f64.powi(-24)
 }
 
-/// Degrees between a rounded normal and an exact direction of any length.
+/// Returns the angle in degrees between a rounded normal and an exact direction of any length.
 pub(crate) fn degrees(normal: Vec3, exact: DVec3) -> f64 {
     let n = normal.as_dvec3();
     n.cross(exact).length().atan2(n.dot(exact)).to_degrees()

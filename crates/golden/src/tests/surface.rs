@@ -163,7 +163,7 @@ fn every_instruction_set_gives_the_same_bits() {
             let (width, height) = subject.scene.cameras[0].resolution(48);
             let sequence = Sequence::Sobol;
             let plan = Plan { width, height, bounces: 8, samples: 2, sequence };
-            let light = Moments::measure(&subject, &plan, 1, 5);
+            let light = Moments::measure(&subject, &plan, 1, 5).unwrap();
             pictures.push((isa, light, subject.surface(width, height)));
         }
         let (_, light, surface) = &pictures[0];

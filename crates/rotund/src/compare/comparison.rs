@@ -69,16 +69,16 @@ impl Comparison {
     ) -> Result<Self> {
         let scene = &mut source.scene;
         enhance(scene, &[]);
-        let vanilla = take(scene, camera, options, NAMES[0]);
+        let vanilla = take(scene, camera, options, NAMES[0])?;
         if vanilla.interrupted {
             write_picture(folder, NAMES[0], &vanilla)?;
-            let what = format!("vanilla with {}", vanilla.film.samples);
+            let what = format!("vanilla with {}", vanilla.film.samples());
             return Err(interrupted(folder, &what, options));
         }
         enhance(scene, kinds);
-        let enhanced = take(scene, camera, options, NAMES[1]);
+        let enhanced = take(scene, camera, options, NAMES[1])?;
         let was_interrupted = enhanced.interrupted;
-        let done = enhanced.film.samples;
+        let done = enhanced.film.samples();
         let shots = [vanilla, enhanced];
         let pictures = shots.each_ref().map(|shot| Picture::from(&shot.film.image()));
         let difference = Difference::between(&pictures[1], &pictures[0])?;
@@ -118,7 +118,7 @@ impl Comparison {
         }
         enhance(scene, [&[], kinds][faster]);
         let begun = &self.shots[faster];
-        let shot = take_more(scene, camera, &self.options, begun, samples, NAMES[faster]);
+        let shot = take_more(scene, camera, &self.options, begun, samples, NAMES[faster])?;
         if shot.interrupted {
             return Ok(None);
         }
@@ -151,11 +151,11 @@ impl Comparison {
                 "render_seconds": shot.render_seconds,
                 "rays": shot.rays,
                 "rays_per_second": shot.rays_per_second(),
-                "samples": shot.film.samples,
+                "samples": shot.film.samples(),
                 "samples_per_second": shot.samples_per_second(),
-                "rejected_samples": shot.film.rejected,
-                "fireflies": shot.film.fireflies,
-                "clamped_samples": shot.film.clamped,
+                "rejected_samples": shot.film.rejected(),
+                "fireflies": shot.film.fireflies(),
+                "clamped_samples": shot.film.clamped(),
             })
         });
         let mut metrics = json!({
@@ -174,7 +174,7 @@ impl Comparison {
         if let Some(longer) = &self.longer {
             let side = |index: usize| {
                 let shot = if index == longer.faster { &longer.shot } else { &self.shots[index] };
-                json!({ "samples": shot.film.samples, "render_seconds": shot.render_seconds })
+                json!({ "samples": shot.film.samples(), "render_seconds": shot.render_seconds })
             };
             metrics["equal_time"] = json!({
                 "vanilla": side(0),
@@ -196,8 +196,8 @@ impl Comparison {
             row("rays, millions", 2, |shot| shot.rays as f64 / 1e6),
             row("Mrays/s", 2, |shot| shot.rays_per_second() / 1e6),
             row("Msamples/s", 2, |shot| shot.samples_per_second() / 1e6),
-            row("rejected samples", 0, |shot| shot.film.rejected as f64),
-            row("fireflies", 0, |shot| shot.film.fireflies as f64),
+            row("rejected samples", 0, |shot| shot.film.rejected() as f64),
+            row("fireflies", 0, |shot| shot.film.fireflies() as f64),
         ]
     }
 
@@ -252,7 +252,7 @@ impl Comparison {
             equal_time: self.longer.as_ref().map(|longer| EqualTime {
                 faster: NAMES[longer.faster],
                 picture: &longer.picture,
-                samples: [self.options.samples, longer.shot.film.samples],
+                samples: [self.options.samples, longer.shot.film.samples()],
                 seconds: [self.shots[1 - longer.faster].render_seconds, longer.shot.render_seconds],
                 metrics: longer.difference.metrics,
             }),

@@ -88,7 +88,7 @@ fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathB
     let equal_time = !args.no_equal_time;
     let comparison = args.picture.shot.with_threads(|| {
         Comparison::render(&mut scene, camera, &options, &kinds, equal_time, &folder)
-    })??;
+    })?;
     comparison.write(&folder)?;
     if !args.json {
         say(comparison.table().to_string())?;

@@ -64,8 +64,18 @@ impl EnvironmentLights {
         Some((direction, drawn.chance * pdf + others))
     }
 
-    /// What comes from a direction, as [`Scene::eval_environment`] has it, and the density of [`Self::sample`].
-    /// The way to a place of an image is long enough to go it once.
+    /// Returns the density per solid angle of [`Self::sample`].
+    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+        let of_image = |(index, image): (usize, &Option<EnvironmentImage>)| {
+            image.as_ref().map_or(0.0, |image| {
+                self.choice.chance(index) * image.pdf(image.environment.uv(direction))
+            })
+        };
+        self.images.iter().enumerate().map(of_image).sum()
+    }
+
+    /// Returns the radiance of a direction, as [`Scene::eval_environment`] does, and the density of
+    /// [`Self::sample`]. Both need the texture coordinates of the direction, which are expensive.
     pub(super) fn radiance_and_pdf(&self, scene: &Scene, direction: Vec3) -> (Vec3, f32) {
         let (mut radiance, mut pdf) = (Vec3::ZERO, 0.0);
         for (index, environment) in scene.environments.iter().enumerate() {

@@ -14,41 +14,129 @@ mod tree;
 use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
-use rotund_scene::{Instance, Scene, SceneHit};
-pub(crate) use tree::Receiver;
+use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
+use rotund_scene::{Instance, Scene, SceneError, SceneHit};
+pub use tree::Receiver;
 use tree::{Extent, LightTree};
 
-/// All light sources of a scene, ready to be drawn from any point.
+/// The light sources of a scene, in tables that importance-sample them from any point.
+///
+/// # Direct illumination with multiple importance sampling
+///
+/// An estimator of direct illumination samples one direction from the lights and one from the BSDF. The
+/// first is weighted with the density of the second and the other way round, so that the sum has no bias:
+///
+/// ```
+/// use glam::{Vec2, Vec3};
+/// use rotund_geometry::{Ray, leave_surface};
+/// use rotund_scene::SceneHit;
+/// use rotund_trace::{Bsdf, Receiver, Sampler, World, power_heuristic};
+///
+/// /// Radiance that the surface point sends to `outgoing` by direct illumination.
+/// fn direct(world: &World<'_>, hit: &SceneHit, outgoing: Vec3, sampler: &Sampler) -> Vec3 {
+///     let (scene, lights) = (world.scene(), world.lights());
+///     let material = scene.eval_material(hit.instance, hit.element, hit.uv);
+///     let normal = scene.shading_normal(hit, outgoing);
+///     let bsdf = Bsdf::new(&material, normal, outgoing);
+///     let receiver = Receiver { position: hit.position, normal: Some(normal) };
+///     let mut sum = material.emission;
+///
+///     // From the lights, unless the BSDF is a set of delta directions.
+///     let [x, y, choice, _] = sampler.set(1);
+///     if !bsdf.is_delta()
+///         && let Some(light) = lights.sample(&receiver, choice, Vec2::new(x, y))
+///         && !world.any(&light.shadow_ray(hit))
+///     {
+///         let f = bsdf.eval(light.incoming);
+///         let weight = power_heuristic(light.pdf, f.pdf) / light.pdf;
+///         sum += weight * f.value * lights.radiance(scene, &light);
+///     }
+///
+///     // From the BSDF. `pdf` is `None` for a delta direction, which the lights cannot sample.
+///     let [x, y, choice, _] = sampler.set(2);
+///     if let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) {
+///         let start = leave_surface(hit.position, hit.error, hit.normal, scattered.incoming);
+///         let ray = Ray::new(start, scattered.incoming);
+///         let (radiance, light_pdf) = match world.closest(&ray) {
+///             Some(far) => {
+///                 (scene.eval_emission(far.instance, far.element, far.uv), lights.pdf(&receiver, &far))
+///             }
+///             None => (
+///                 scene.eval_environment(ray.direction),
+///                 lights.environment_pdf(&receiver, ray.direction),
+///             ),
+///         };
+///         let weight = scattered.pdf.map_or(1.0, |pdf| power_heuristic(pdf, light_pdf));
+///         sum += weight * scattered.weight * radiance;
+///     }
+///     sum
+/// }
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     emitters: Vec<Emitter>,
     tree: LightTree,
-    /// For each instance, where the emitters of its elements begin, if it has emitters.
+    /// For each instance, the number of its first emitter, if it has emitters.
     first_emitter: Vec<Option<u32>>,
     environments: EnvironmentLights,
     brightest: f32,
 }
 
-/// A drawn direction to a light.
+/// A direction sampled from the lights.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightSample {
-    /// Of unit length.
-    pub(crate) incoming: Vec3,
-    /// Per solid angle.
-    pub(crate) pdf: f32,
-    /// Where the light comes from; none is infinitely far away.
-    pub(crate) source: Option<LightSource>,
-    /// The emitter, and what it calls the point.
+pub struct LightSample {
+    /// Direction from the receiver to the light, of unit length.
+    pub incoming: Vec3,
+    /// Density of `incoming` per solid angle at the receiver, over all lights: the probability of
+    /// this light is in it.
+    pub pdf: f32,
+    /// Point on the light, or `None` for an environment, which is infinitely far away.
+    pub source: Option<LightSource>,
+    /// Number of the emitter, and parameters of the point on it.
     emitter: Option<(u32, Vec2)>,
 }
 
-/// A point on an emitter.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LightSource {
-    pub(crate) position: Vec3,
+/// A point on an emitting surface, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSource {
+    /// The point, within `error` of the surface.
+    pub position: Vec3,
     /// Bound on the distance from the exact surface.
-    pub(crate) error: f32,
-    pub(crate) normal: Vec3,
+    pub error: f32,
+    /// Geometric normal of the surface, of unit length.
+    pub normal: Vec3,
+}
+
+impl LightSample {
+    /// Returns the ray from a surface point to the light, for [`crate::World::any`]: it meets neither
+    /// the surface that it leaves nor the light that it goes to.
+    #[must_use]
+    pub fn shadow_ray(&self, hit: &SceneHit) -> Ray {
+        self.shadow_ray_from(leave_surface(hit.position, hit.error, hit.normal, self.incoming))
+    }
+
+    /// Returns the ray from a point that lies on no surface to the light; see [`Self::shadow_ray`].
+    #[must_use]
+    pub fn shadow_ray_from(&self, origin: Vec3) -> Ray {
+        match self.source {
+            None => Ray::new(origin, self.incoming),
+            Some(source) => source.shadow_ray(source.end(self.incoming), origin),
+        }
+    }
+}
+
+impl LightSource {
+    /// Returns the point off the surface at which rays from direction `incoming` end.
+    pub(crate) fn end(&self, incoming: Vec3) -> Vec3 {
+        leave_surface(self.position, self.error, self.normal, -incoming)
+    }
+
+    /// Returns the ray from `origin` to [`Self::end`].
+    pub(crate) fn shadow_ray(&self, end: Vec3, origin: Vec3) -> Ray {
+        // Both ends leave their surfaces. How far along the ray an end is off its surface can be
+        // less than the rounding of `t`, which is some units in the last place.
+        Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, end - origin) }
+    }
 }
 
 /// Relative luminance of linear Rec. 709 red, green and blue.
@@ -57,14 +145,23 @@ pub(crate) fn luminance(color: Vec3) -> f32 {
 }
 
 impl Lights {
-    /// Finds all that shines in a scene: every element of an instance whose material emits, and
-    /// every environment that an image makes uneven.
+    /// Collects the lights of a scene: every element of an instance whose material emits, and every
+    /// environment with an image that is not constant.
     ///
-    /// Not drawn, but right all the same since paths that hit them count in full: vanilla points and
-    /// lines, whose surface depends on where they are seen from, spheres and cones under a
-    /// transform that makes them neither, and constant environments.
-    #[must_use]
-    pub fn build(scene: &Scene) -> Self {
+    /// Some lights are never sampled, and [`Self::pdf`] is 0 for them: vanilla points and lines, whose
+    /// surface depends on the ray; spheres and cones under a transform that deforms them; and constant
+    /// environments. Directions from the BSDF find them and have weight 1, so they are right too.
+    ///
+    /// # Errors
+    ///
+    /// If [`Scene::validate`] refuses the scene.
+    pub fn build(scene: &Scene) -> Result<Self, SceneError> {
+        scene.validate()?;
+        Ok(Self::of_valid(scene))
+    }
+
+    /// [`Self::build`] for a scene that has been validated.
+    pub(crate) fn of_valid(scene: &Scene) -> Self {
         let mut emitters = Vec::new();
         let first_emitter = (0..scene.instances.len())
             .map(|instance| {
@@ -84,12 +181,12 @@ impl Lights {
         }
     }
 
-    /// A bound on the radiance of any channel of what shines, and so of any pixel.
+    /// Returns a bound on the radiance of every light in each channel, and so of every pixel.
     pub(crate) fn brightest(&self) -> f32 {
         self.brightest
     }
 
-    /// The chance that an environment is drawn rather than an emitter.
+    /// Returns the probability that an environment is sampled rather than an emitter.
     fn environment_chance(&self, receiver: &Receiver) -> f32 {
         // Both are estimates of irradiance; half of an environment is below the horizon.
         let environments = 0.5 * self.environments.power();
@@ -105,8 +202,14 @@ impl Lights {
         }
     }
 
-    /// Draws a direction: `choice` picks the light, `u` the point on it.
-    pub(crate) fn sample(&self, receiver: &Receiver, choice: f32, u: Vec2) -> Option<LightSample> {
+    /// Samples a direction to a light: `choice` picks the light, `u` the point on it, both uniform in
+    /// `0.0..1.0`. Returns `None` if no light can illuminate the receiver, or the sampled one does not;
+    /// such a sample contributes nothing but counts.
+    ///
+    /// Occlusion is not tested: see [`LightSample::shadow_ray`]. The direction may lie below the horizon of
+    /// the receiver, where the BSDF is zero.
+    #[must_use]
+    pub fn sample(&self, receiver: &Receiver, choice: f32, u: Vec2) -> Option<LightSample> {
         let environment_chance = self.environment_chance(receiver);
         if choice < environment_chance {
             let (incoming, pdf) = self.environments.sample(u)?;
@@ -129,17 +232,22 @@ impl Lights {
         })
     }
 
-    /// What arrives from a drawn direction if nothing is in the way. Looking images up takes long, so
-    /// it waits until the light is known to arrive.
-    pub(crate) fn radiance(&self, scene: &Scene, light: &LightSample) -> Vec3 {
+    /// Returns the radiance that a sampled light sends to the receiver if nothing occludes it.
+    /// Texture look-ups are expensive, so ask after the shadow ray.
+    ///
+    /// # Panics
+    ///
+    /// If `scene` is not the scene that the lights were built from, and lacks an index of theirs.
+    #[must_use]
+    pub fn radiance(&self, scene: &Scene, light: &LightSample) -> Vec3 {
         match light.emitter {
             Some((emitter, uv)) => self.emitters[emitter as usize].radiance(scene, uv),
             None => scene.eval_environment(light.incoming),
         }
     }
 
-    /// What comes from a direction that leads out of the scene, and the density with which [`Self::sample`]
-    /// would have found it.
+    /// Returns the radiance of a direction that leads out of the scene, and the density per solid angle
+    /// with which [`Self::sample`] samples it.
     pub(crate) fn environment(
         &self,
         scene: &Scene,
@@ -151,9 +259,22 @@ impl Lights {
         (radiance, chance * pdf)
     }
 
-    /// The density per solid angle with which [`Self::sample`] would have found this point; zero
-    /// if it never does.
-    pub(crate) fn hit_pdf(&self, receiver: &Receiver, hit: &SceneHit) -> f32 {
+    /// Returns the density per solid angle with which [`Self::sample`] samples a direction, of unit
+    /// length, that leads out of the scene to the environments; 0 if all of them are constant.
+    #[must_use]
+    pub fn environment_pdf(&self, receiver: &Receiver, direction: Vec3) -> f32 {
+        self.environment_chance(receiver) * self.environments.pdf(direction)
+    }
+
+    /// Returns the density per solid angle at the receiver with which [`Self::sample`] samples the
+    /// direction to a surface point `hit`, which must be the first surface in that direction; 0 if the
+    /// surface does not emit or is never sampled.
+    ///
+    /// # Panics
+    ///
+    /// If the hit is not of the scene that the lights were built from, and its index is out of range.
+    #[must_use]
+    pub fn pdf(&self, receiver: &Receiver, hit: &SceneHit) -> f32 {
         let Some(first) = self.first_emitter[hit.instance as usize] else { return 0.0 };
         let mut index = first + hit.element;
         index -= u32::from(self.emitters[index as usize].is_second_half());
@@ -167,7 +288,7 @@ impl Lights {
     }
 }
 
-/// The largest channel of all that shines in a scene, all environments together.
+/// Returns the largest channel of all lights of a scene, all environments together.
 fn brightest(scene: &Scene) -> f32 {
     let of_texture = |index: Option<u32>| {
         let Some(index) = index else { return Vec3::ONE };

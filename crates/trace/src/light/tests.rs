@@ -38,9 +38,16 @@ fn shining(elements: Elements, method: Method, positions: &[[f32; 3]], radii: &[
     }
 }
 
+fn lights(scene: &Scene) -> Lights {
+    Lights::build(scene).expect("a valid scene")
+}
+
 /// Irradiance on a receiver, drawn; each sample must be seen, and found again with its density.
 fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
-    let (trees, lights) = (Trees::build(scene).expect("the scene is valid"), Lights::build(scene));
+    let (trees, lights) = (
+        Trees::build(scene).expect("the scene is valid"),
+        Lights::build(scene).expect("a valid scene"),
+    );
     let receiver = Receiver { position, normal: Some(normal) };
     let mut sum = 0.0;
     let mut lost = 0;
@@ -58,7 +65,7 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
         let start = leave_surface(position, 0.0, normal, light.incoming);
         match trees.closest(scene, &Ray::new(start, light.incoming)) {
             Some(hit) if hit.position.distance(source.position) < 1e-3 => {
-                let pdf = lights.hit_pdf(&receiver, &hit);
+                let pdf = lights.pdf(&receiver, &hit);
                 let slant = hit.normal.dot(light.incoming).abs();
                 // A slanted surface makes the density per solid angle as steep.
                 assert!(
@@ -152,7 +159,7 @@ fn the_triangles_of_a_rectangle_shine_as_one() {
     let quad = shining(Elements::Quads(vec![[0, 1, 2, 3]]), Method::Vanilla, &corners, &[]);
     let receiver = Receiver { position: Vec3::new(0.7, -0.6, 0.1), normal: Some(Vec3::Y) };
     let pdf = |scene: &Scene, choice| {
-        let light = Lights::build(scene).sample(&receiver, choice, Vec2::new(0.3, 0.6));
+        let light = lights(scene).sample(&receiver, choice, Vec2::new(0.3, 0.6));
         light.expect("the light is above").pdf
     };
     for (why, scene, one) in [
@@ -194,7 +201,7 @@ fn many_lights_are_chosen_by_what_they_add() {
             PI * f64::from(r).powi(2) * to.y / to.length().powi(3)
         })
         .sum();
-    let lights = Lights::build(&scene);
+    let lights = lights(&scene);
     let receiver = Receiver { position, normal: Some(normal) };
     let values: Vec<f64> = (0..SAMPLES)
         .map(|index| {
@@ -237,7 +244,7 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
         }],
         ..Scene::default()
     };
-    let lights = Lights::build(&scene);
+    let lights = lights(&scene);
     let receiver = Receiver { position: Vec3::ZERO, normal: None };
     // The truth, and the sum of the density, by the midpoint rule.
     const STEPS: usize = 800;

@@ -38,11 +38,15 @@ enum Kind {
     Leaf(u32),
 }
 
-/// Where light is wanted: the position and, unless light from below counts too, the normal.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
-    pub(crate) position: Vec3,
-    pub(crate) normal: Option<Vec3>,
+/// A point that lights are sampled for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// The point, in world space.
+    pub position: Vec3,
+    /// Shading normal, of unit length, where only light from above the surface counts; `None` inside of a
+    /// medium and on surfaces that transmit light. It must be the same for all densities of one
+    /// vertex.
+    pub normal: Option<Vec3>,
 }
 
 /// Deeper than this, groups are halved by count, so a trail has at most this and 32 turns.

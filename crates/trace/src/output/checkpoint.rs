@@ -1,20 +1,23 @@
 //! Films on disk, to go on with later or to merge with others.
 //!
-//! All numbers are little-endian: 16 bytes of magic; width, height, samples, shard index and shard
-//! count as `u32`; rejected, fireflies, clamped and seed as `u64`; the length of the label as `u32` and its UTF-8; for each
-//! pixel three sums as `u128` and the covered samples as `u32`; and a hash of all before it, so that a
-//! file that was cut or changed is refused.
+//! All numbers are little-endian: 16 bytes of magic with the version of the format; width, height, shard
+//! index and shard count as `u32`; rejected, fireflies, clamped and seed as `u64`; the length of the label
+//! as `u32`, and its UTF-8; for each pixel three sums as `u128`, the covered samples and all samples as
+//! `u32`; and a hash of all before it, so that a truncated or altered file is refused.
 
 use super::{OutputError, write_with};
-use crate::film::{Film, PixelSum, Shard};
+use crate::Shard;
+use crate::film::{Film, PixelSum};
 use std::{
     fs, io,
     io::Write,
     path::{Path, PathBuf},
 };
 
-const MAGIC: &[u8; 16] = b"rotund film 002\n";
-const PIXEL_BYTES: usize = 3 * 16 + 4;
+const MAGIC: &[u8; 16] = b"rotund film 003\n";
+/// The part of the magic that all versions share.
+const MAGIC_START: &[u8] = b"rotund film ";
+const PIXEL_BYTES: usize = 3 * 16 + 2 * 4;
 
 /// Why a checkpoint was refused.
 #[derive(Debug, thiserror::Error)]
@@ -22,8 +25,10 @@ const PIXEL_BYTES: usize = 3 * 16 + 4;
 pub enum CheckpointError {
     #[error("cannot read {}", path.display())]
     Read { path: PathBuf, source: io::Error },
-    #[error("{} is not a checkpoint of this version", path.display())]
+    #[error("{} is not a checkpoint", path.display())]
     NotACheckpoint { path: PathBuf },
+    #[error("{} is a checkpoint of another version of the format: render it again", path.display())]
+    OtherVersion { path: PathBuf },
     #[error("{} is damaged: render it again", path.display())]
     Damaged { path: PathBuf },
 }
@@ -36,7 +41,7 @@ pub enum CheckpointError {
 pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError> {
     let mut bytes = Vec::with_capacity(128 + film.label.len() + film.pixels.len() * PIXEL_BYTES);
     bytes.extend(MAGIC);
-    for number in [film.width, film.height, film.samples, film.shard.index, film.shard.count] {
+    for number in [film.width, film.height, film.shard.index, film.shard.count] {
         bytes.extend(number.to_le_bytes());
     }
     for number in [film.rejected, film.fireflies, film.clamped, film.seed] {
@@ -49,6 +54,7 @@ pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError>
             bytes.extend(sum.to_le_bytes());
         }
         bytes.extend(pixel.covered.to_le_bytes());
+        bytes.extend(pixel.samples.to_le_bytes());
     }
     let hash = hash(&bytes);
     bytes.extend(hash.to_le_bytes());
@@ -64,6 +70,9 @@ pub fn load_film(path: impl AsRef<Path>) -> Result<Film, CheckpointError> {
     let path = path.as_ref();
     let bytes =
         fs::read(path).map_err(|source| CheckpointError::Read { path: path.into(), source })?;
+    if bytes.starts_with(MAGIC_START) && !bytes.starts_with(MAGIC) {
+        return Err(CheckpointError::OtherVersion { path: path.into() });
+    }
     if !bytes.starts_with(MAGIC) {
         return Err(CheckpointError::NotACheckpoint { path: path.into() });
     }
@@ -83,36 +92,35 @@ fn parse(bytes: &[u8]) -> Option<Film> {
         Some(taken)
     };
     let mut small = || Some(u32::from_le_bytes(take(4)?.try_into().ok()?));
-    let [width, height, samples, index, count] = [small()?, small()?, small()?, small()?, small()?];
+    let [width, height, index, count] = [small()?, small()?, small()?, small()?];
     let mut large = || Some(u64::from_le_bytes(take(8)?.try_into().ok()?));
     let [rejected, fireflies, clamped, seed] = [large()?, large()?, large()?, large()?];
     let length = u32::from_le_bytes(take(4)?.try_into().ok()?);
     let label = String::from_utf8(take(length as usize)?.to_vec()).ok()?;
     let pixels: Vec<PixelSum> = rest.chunks_exact(PIXEL_BYTES).map(pixel).collect::<Option<_>>()?;
     let whole = pixels.len() == width as usize * height as usize
-        && rest.len() == pixels.len() * PIXEL_BYTES;
+        && !pixels.is_empty()
+        && rest.len() == pixels.len() * PIXEL_BYTES
+        && index < count;
     let shard = Shard { index, count };
-    whole.then_some(Film {
-        width,
-        height,
-        samples,
-        rejected,
-        fireflies,
-        clamped,
-        seed,
-        shard,
-        label,
-        pixels,
-    })
+    let mut film = whole.then(|| Film::from_pixels(width, height, pixels))?;
+    (film.rejected, film.fireflies, film.clamped) = (rejected, fireflies, clamped);
+    (film.seed, film.shard, film.label) = (seed, shard, label);
+    Some(film)
 }
 
 fn pixel(bytes: &[u8]) -> Option<PixelSum> {
-    let (sums, covered) = bytes.split_at_checked(48)?;
+    let (sums, counts) = bytes.split_at_checked(48)?;
     let mut radiance = [0; 3];
     for (sum, bytes) in radiance.iter_mut().zip(sums.chunks_exact(16)) {
         *sum = u128::from_le_bytes(bytes.try_into().ok()?);
     }
-    Some(PixelSum { radiance, covered: u32::from_le_bytes(covered.try_into().ok()?) })
+    let (covered, samples) = counts.split_first_chunk::<4>()?;
+    Some(PixelSum {
+        radiance,
+        covered: u32::from_le_bytes(*covered),
+        samples: u32::from_le_bytes(samples.try_into().ok()?),
+    })
 }
 
 /// FNV-1a over words of eight bytes: against accidents, not against malice.

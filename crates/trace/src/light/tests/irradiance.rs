@@ -3,12 +3,11 @@
 //! quadrature in `f64` over the exact surface.
 
 use super::{SAMPLES, drawn, lambert, shining};
-use crate::{Lights, Options, Sampler, Sequence, render, warp};
+use crate::{Options, Sampler, Sequence, World, warp};
 use glam::{Affine3A, DVec3, Mat3A, Vec2, Vec3, Vec3A};
 use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{Camera, Elements, Instance, Material, Method, Scene, Shape, Trees};
 use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
 
 /// A receiving surface: where it is, and its normal.
 type Receiver = (Vec3, Vec3);
@@ -102,13 +101,11 @@ fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 
         bounces: 2,
         ..Options::default()
     };
-    let (trees, lights) =
-        (Trees::build(&scene).expect("the scene is valid"), Lights::build(&scene));
-    let seen = trees.closest(&scene, &scene.cameras[0].ray(Vec2::splat(0.5), Vec2::ZERO));
+    let world = World::new(&scene).expect("a valid scene");
+    let seen = world.closest(&scene.cameras[0].ray(Vec2::splat(0.5), Vec2::ZERO));
     assert_eq!(seen.map(|hit| hit.instance), Some(1), "the square is seen at {position}");
-    let go_on = &mut |_: &crate::Progress<'_>| ControlFlow::Continue(());
-    let film = render(&scene, &trees, &lights, 0, &options, go_on);
-    assert_eq!(film.rejected, 0, "all samples are numbers");
+    let film = world.render(0, &options).expect("a picture");
+    assert_eq!(film.rejected(), 0, "all samples are numbers");
     let pixels = film.image().pixels;
     PI * pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / pixels.len() as f64
 }

@@ -1,0 +1,92 @@
+//! The state that all paths of a render share.
+
+use crate::{Lights, Options, View};
+use glam::Vec3;
+use rotund_geometry::Aabb;
+use rotund_scene::{Instance, Material, MaterialKind, Scene, Trees};
+
+/// The state that all paths of a render share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Context<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) trees: &'a Trees,
+    pub(crate) lights: &'a Lights,
+    pub(crate) facts: Facts,
+    pub(crate) bounces: u32,
+    /// Every direction sends radiance 1, and nothing else emits.
+    pub(crate) furnace: bool,
+    /// Camera rays that reach the environment straight do not see it.
+    pub(crate) transparent: bool,
+    /// Bounds of the scene for [`View::Position`], else empty.
+    pub(crate) bounds: Aabb,
+}
+
+/// Properties of a whole scene that save work on each path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facts {
+    /// No surface lets rays go straight through.
+    pub(crate) opaque: bool,
+    /// Something may emit inside of a solid that scatters.
+    pub(crate) lit_inside: bool,
+}
+
+/// Radiance that a camera ray finds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Arrived {
+    pub(crate) radiance: Vec3,
+    /// The ray met a surface or a visible environment.
+    pub(crate) covered: bool,
+    /// Rays traced.
+    pub(crate) rays: u64,
+}
+
+impl<'a> Context<'a> {
+    pub(crate) fn new(
+        scene: &'a Scene,
+        trees: &'a Trees,
+        lights: &'a Lights,
+        facts: Facts,
+        options: &Options,
+    ) -> Self {
+        let &Options { view, bounces, transparent, .. } = options;
+        let bounds = if view == View::Position { scene.bounds() } else { Aabb::EMPTY };
+        let furnace = view == View::Furnace;
+        Self { scene, trees, lights, facts, bounces, furnace, transparent, bounds }
+    }
+}
+
+impl Facts {
+    pub(crate) fn new(scene: &Scene) -> Self {
+        Self { opaque: is_opaque(scene), lit_inside: is_lit_inside(scene) }
+    }
+}
+
+/// True if no surface of the scene lets rays go straight through.
+fn is_opaque(scene: &Scene) -> bool {
+    let image_is_opaque = |texture: &Option<u32>| {
+        texture.is_none_or(|texture| scene.textures[texture as usize].is_opaque())
+    };
+    let is_opaque = |material: &Material| {
+        material.opacity >= 1.0
+            && material.kind != MaterialKind::Volumetric
+            && image_is_opaque(&material.color_tex)
+    };
+    scene.materials.iter().all(is_opaque)
+        && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
+}
+
+/// False only if nothing emits inside of the solids that scatter.
+fn is_lit_inside(scene: &Scene) -> bool {
+    let boxes = |wanted: fn(&Material) -> bool| {
+        let of =
+            |(_, instance): &(u32, &Instance)| wanted(&scene.materials[instance.material as usize]);
+        let found = (0..).zip(&scene.instances).filter(of);
+        found.map(|(index, _)| scene.instance_bounds(index)).collect::<Vec<_>>()
+    };
+    let lamps = boxes(|material| material.emission != Vec3::ZERO);
+    let solids = boxes(|material| {
+        material.kind == MaterialKind::Refractive && material.scattering != Vec3::ZERO
+    });
+    let meet = |a: &Aabb, b: &Aabb| a.min.cmple(b.max).all() && b.min.cmple(a.max).all();
+    solids.iter().any(|solid| lamps.iter().any(|lamp| meet(solid, lamp)))
+}

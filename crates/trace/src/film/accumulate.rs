@@ -1,0 +1,240 @@
+//! Taking samples of all pixels in parallel, with progress reports and cancellation.
+
+use super::schedule::Schedule;
+use super::{Film, PixelSum};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::{ControlFlow, Range};
+use std::time::{Duration, Instant};
+
+/// One sample of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmSample {
+    /// Radiance, in linear Rec. 709.
+    pub radiance: Vec3,
+    /// Whether the sample met something; the mean over the samples of a pixel is its alpha.
+    pub covered: bool,
+    /// Rays traced for the sample, for [`Progress::rays`] alone.
+    pub rays: u64,
+}
+
+impl From<Vec3> for FilmSample {
+    /// A sample of this radiance that met something.
+    fn from(radiance: Vec3) -> Self {
+        Self { radiance, covered: true, rays: 0 }
+    }
+}
+
+/// The state of a render between two batches of pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// The film so far. Some pixels may have more samples than others.
+    pub film: &'a Film,
+    /// Samples taken in this run, over all pixels.
+    pub samples: u64,
+    /// Samples that this run takes if it is not cancelled, over all pixels.
+    pub total: u64,
+    /// Rays traced in this run, shadow rays included.
+    pub rays: u64,
+    /// Time since the run began.
+    pub elapsed: Duration,
+}
+
+impl Progress<'_> {
+    /// Returns the completed fraction of this run, in `0.0..=1.0`.
+    #[must_use]
+    pub fn fraction(&self) -> f64 {
+        if self.total == 0 { 1.0 } else { self.samples as f64 / self.total as f64 }
+    }
+}
+
+/// Treatment of bright samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Samples with a larger channel are scaled down to it.
+    pub(crate) clamp: f32,
+    /// Samples with a larger channel are counted as fireflies.
+    pub(crate) brightest: f32,
+}
+
+impl Limits {
+    pub(crate) const NONE: Self = Self { clamp: f32::INFINITY, brightest: f32::INFINITY };
+}
+
+/// Statistics of the samples of a batch.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    samples: u64,
+    rays: u64,
+    rejected: u64,
+    fireflies: u64,
+    clamped: u64,
+    /// Pixels that have all samples of the pass now, and had not before.
+    finished: usize,
+    /// Those of them that had no more samples than the minimum of the film.
+    advanced: usize,
+}
+
+/// The part of a render that a batch takes.
+struct Batch {
+    pixels: Range<usize>,
+    /// Pixels of a run.
+    run: usize,
+    /// Pixels of a run between two looks at the clock.
+    stride: usize,
+    /// Samples of a pixel after the batch.
+    samples: u32,
+    start: Instant,
+}
+
+impl Film {
+    /// Takes samples with the threads of the current rayon pool until every pixel has its share of
+    /// `samples`; see [`Self::accumulate_with`].
+    pub fn accumulate(
+        &mut self,
+        samples: u32,
+        integrator: impl Fn(u32, u32, u32) -> FilmSample + Sync,
+    ) {
+        self.accumulate_with(samples, integrator, &mut |_| ControlFlow::Continue(()));
+    }
+
+    /// Takes samples with the threads of the current rayon pool until every pixel has its share of
+    /// `samples`, or `progress` breaks.
+    ///
+    /// `integrator` returns the sample of pixel `(x, y)`, counted from the top left corner, with a
+    /// sample index in `0..samples`. If its result depends on these three alone, so does the film: neither
+    /// the number of threads nor an interruption changes a bit. A film of a [`crate::Shard`] takes the
+    /// indices of its shard only.
+    ///
+    /// `progress` is called at least every 0.1 s, whatever the size of the film, as long as a single
+    /// sample takes less than some milliseconds. If it breaks, the film keeps the samples it has, and another
+    /// call goes on from there.
+    pub fn accumulate_with(
+        &mut self,
+        samples: u32,
+        integrator: impl Fn(u32, u32, u32) -> FilmSample + Sync,
+        progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
+    ) {
+        self.take_samples(samples, Limits::NONE, &integrator, progress);
+    }
+
+    /// [`Self::accumulate_with`], with a treatment of bright samples.
+    pub(crate) fn take_samples(
+        &mut self,
+        samples: u32,
+        limits: Limits,
+        integrator: &(impl Fn(u32, u32, u32) -> FilmSample + Sync),
+        progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
+    ) {
+        let start = Instant::now();
+        let target = self.shard.share_of(samples);
+        let missing = |pixel: &PixelSum| u64::from(target.saturating_sub(pixel.samples));
+        let total = self.pixels.par_iter().with_min_len(1 << 14).map(missing).sum();
+        let mut schedule = Schedule::new(rayon::current_num_threads());
+        let (mut taken, mut rays) = (0, 0);
+        while self.samples < target {
+            let pass = target.min(self.samples.saturating_add(schedule.pass_samples()));
+            let mut next = 0;
+            // Pixels that have the samples of this pass already come from an interrupted run, or from
+            // a batch that ran out of time.
+            while let Some(first) = self.first_behind(next, pass) {
+                let start_of_batch = Instant::now();
+                let end = self.pixels.len().min(first.saturating_add(schedule.batch()));
+                let batch = Batch {
+                    pixels: first..end,
+                    run: schedule.run(end - first),
+                    stride: schedule.stride(),
+                    samples: pass,
+                    start: start_of_batch,
+                };
+                next = first;
+                let tally = self.take_batch(&batch, limits, integrator);
+                taken += tally.samples;
+                rays += tally.rays;
+                self.rejected += tally.rejected;
+                self.fireflies += tally.fireflies;
+                self.clamped += tally.clamped;
+                self.advance(tally.advanced);
+                schedule.batch_took(tally.finished, start_of_batch.elapsed());
+                let elapsed = start.elapsed();
+                let report = Progress { film: self, samples: taken, total, rays, elapsed };
+                if progress(&report).is_break() {
+                    return;
+                }
+            }
+            schedule.pass_ended();
+        }
+    }
+
+    /// Returns the first pixel from `start` on that has fewer than `samples` samples.
+    fn first_behind(&self, start: usize, samples: u32) -> Option<usize> {
+        let mut rest = self.pixels[start..].iter();
+        rest.position(|pixel| pixel.samples < samples).map(|offset| start + offset)
+    }
+
+    /// Takes the samples that the pixels of a batch lack, or some of them if the time is over.
+    fn take_batch(
+        &mut self,
+        batch: &Batch,
+        limits: Limits,
+        integrator: &(impl Fn(u32, u32, u32) -> FilmSample + Sync),
+    ) -> Tally {
+        let (width, shard, minimum) = (self.width as usize, self.shard, self.samples);
+        let run = |(index, pixels): (usize, &mut [PixelSum])| {
+            let mut tally = Tally::default();
+            for (pixel, sum) in (index * batch.run..).zip(pixels) {
+                // The first pixels are always taken, so that a batch cannot end without a sample.
+                let looks = pixel > 0 && pixel % batch.stride == 0;
+                if looks && Schedule::is_over(batch.start.elapsed()) {
+                    break;
+                }
+                let pixel = batch.pixels.start + pixel;
+                let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
+                if sum.samples >= batch.samples {
+                    continue;
+                }
+                tally.finished += 1;
+                tally.advanced += usize::from(sum.samples == minimum);
+                while sum.samples < batch.samples {
+                    let sample = integrator(x, y, shard.sample_index(sum.samples));
+                    tally.add(sum, sample, limits);
+                }
+            }
+            tally
+        };
+        self.pixels[batch.pixels.clone()]
+            .par_chunks_mut(batch.run)
+            .enumerate()
+            .with_max_len(1)
+            .map(run)
+            .reduce(Tally::default, Tally::join)
+    }
+}
+
+impl Tally {
+    /// Adds a sample to a pixel.
+    fn add(&mut self, sum: &mut PixelSum, sample: FilmSample, limits: Limits) {
+        let bright = sample.radiance.max_element();
+        let clamped = bright > limits.clamp;
+        let radiance =
+            if clamped { sample.radiance * (limits.clamp / bright) } else { sample.radiance };
+        let valid = sum.add(radiance.to_array(), sample.covered);
+        self.samples += 1;
+        self.rays += sample.rays;
+        self.rejected += u64::from(!valid);
+        self.fireflies += u64::from(valid && bright > limits.brightest);
+        self.clamped += u64::from(clamped);
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            rays: self.rays + other.rays,
+            rejected: self.rejected + other.rejected,
+            fireflies: self.fireflies + other.fireflies,
+            clamped: self.clamped + other.clamped,
+            finished: self.finished + other.finished,
+            advanced: self.advanced + other.advanced,
+        }
+    }
+}

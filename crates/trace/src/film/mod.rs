@@ -1,0 +1,294 @@
+//! The result of a render: exact sums of the samples of each pixel.
+
+mod accumulate;
+mod merge;
+mod pixel;
+mod schedule;
+
+pub(crate) use accumulate::Limits;
+pub use accumulate::{FilmSample, Progress};
+pub use merge::MergeError;
+pub(crate) use pixel::PixelSum;
+
+use crate::{Options, RenderError, Shard};
+use glam::Vec3;
+use rotund_image::Image;
+
+/// The sums of the samples of each pixel, and statistics of the samples.
+///
+/// Sums are exact: radiance is counted in whole steps of 2⁻⁵⁶, so addition is associative. The same
+/// samples make the same bits in any order, on any number of threads, in one run or several, on one
+/// machine or several. Each pixel knows its number of samples, so [`Self::image`] is right at any moment,
+/// also in the middle of a pass over the pixels.
+///
+/// A renderer of one's own fills a film with [`Self::accumulate`], or sample by sample with [`Self::add`].
+///
+/// ```
+/// use rotund_trace::{Film, FilmSample};
+///
+/// // A horizontal ramp, sampled by an "integrator" that needs no scene.
+/// let mut film = Film::new(64, 4)?;
+/// film.accumulate(16, |x, _y, _sample| FilmSample::from(glam::Vec3::splat(x as f32 / 64.0)));
+/// assert_eq!(film.samples(), 16);
+/// assert_eq!(film.image().pixels[32], [0.5, 0.5, 0.5, 1.0]);
+/// # Ok::<(), rotund_trace::FilmError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Film {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) rejected: u64,
+    pub(crate) fireflies: u64,
+    pub(crate) clamped: u64,
+    pub(crate) seed: u64,
+    pub(crate) shard: Shard,
+    pub(crate) label: String,
+    /// Row by row from the top.
+    pub(crate) pixels: Vec<PixelSum>,
+    /// Number of samples that every pixel has: the minimum over the pixels.
+    samples: u32,
+    /// Number of pixels with exactly `samples` samples. When it reaches 0, the minimum has risen and is
+    /// computed anew, so reading it costs nothing however large the film is.
+    behind: usize,
+}
+
+/// A reason why a film cannot be made or added to.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages describe variants and fields")]
+#[non_exhaustive]
+pub enum FilmError {
+    #[error("a film of {width} x {height} has no pixels")]
+    Empty { width: u32, height: u32 },
+    #[error("a film of {width} x {height} does not fit into memory: it takes 64 bytes a pixel")]
+    TooLarge { width: u32, height: u32 },
+    #[error("pixel ({x}, {y}) is outside of a film of {width} x {height}")]
+    OutOfRange { x: u32, y: u32, width: u32, height: u32 },
+}
+
+impl Film {
+    /// Makes a film without samples, of seed 0, undivided and without a label.
+    ///
+    /// # Errors
+    ///
+    /// If a side is zero, or the pixels do not fit into memory.
+    pub fn new(width: u32, height: u32) -> Result<Self, FilmError> {
+        if width == 0 || height == 0 {
+            return Err(FilmError::Empty { width, height });
+        }
+        let too_large = FilmError::TooLarge { width, height };
+        let Some(count) = (width as usize).checked_mul(height as usize) else {
+            return Err(too_large);
+        };
+        let mut pixels = Vec::new();
+        if count > MOST_PIXELS || pixels.try_reserve_exact(count).is_err() {
+            return Err(too_large);
+        }
+        pixels.resize(count, PixelSum::default());
+        Ok(Self::from_pixels(width, height, pixels))
+    }
+
+    /// Makes a film without samples, of the size, seed and shard of `options`, for
+    /// [`crate::World::resume`].
+    ///
+    /// # Errors
+    ///
+    /// If [`Options::validate`] refuses the options, or the pixels do not fit into memory.
+    pub fn for_options(options: &Options) -> Result<Self, RenderError> {
+        options.validate()?;
+        let &Options { width, height, seed, shard, .. } = options;
+        Ok(Self { seed, shard, ..Self::new(width, height)? })
+    }
+
+    /// Makes a film of `width * height` sums.
+    pub(crate) fn from_pixels(width: u32, height: u32, pixels: Vec<PixelSum>) -> Self {
+        let mut film = Self {
+            width,
+            height,
+            rejected: 0,
+            fireflies: 0,
+            clamped: 0,
+            seed: 0,
+            shard: Shard::default(),
+            label: String::new(),
+            pixels,
+            samples: 0,
+            behind: 0,
+        };
+        film.count_samples();
+        film
+    }
+
+    /// Returns the number of pixels in a row.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Returns the number of rows.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Returns the number of samples that every pixel has: the minimum over all pixels.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Returns the number of samples of one pixel, or `None` outside of the film.
+    #[must_use]
+    pub fn samples_at(&self, x: u32, y: u32) -> Option<u32> {
+        self.index(x, y).ok().map(|index| self.pixels[index].samples)
+    }
+
+    /// Returns how many samples were rejected, and counted as black, because their radiance was NaN,
+    /// negative, or 2³⁹ or more.
+    #[must_use]
+    pub fn rejected(&self) -> u64 {
+        self.rejected
+    }
+
+    /// Returns how many samples were brighter than every light source of the scene, as no pixel can be.
+    /// They are noise of paths with too low a sampling density; they count in full.
+    #[must_use]
+    pub fn fireflies(&self) -> u64 {
+        self.fireflies
+    }
+
+    /// Returns how many samples [`Options::clamp`] scaled down.
+    #[must_use]
+    pub fn clamped(&self) -> u64 {
+        self.clamped
+    }
+
+    /// Returns the seed of the samples, which an integrator passes to [`crate::Sampler::new`].
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Returns which samples of the picture the film holds.
+    #[must_use]
+    pub fn shard(&self) -> Shard {
+        self.shard
+    }
+
+    /// Returns the description of the picture; films of different labels do not merge.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Returns the same film with another seed.
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// Returns the same film with a description of its picture, for what the film itself does not know:
+    /// scene, camera, number of bounces.
+    #[must_use]
+    pub fn with_label(self, label: impl Into<String>) -> Self {
+        Self { label: label.into(), ..self }
+    }
+
+    /// Adds one sample to a pixel. An invalid radiance counts as black and in [`Self::rejected`].
+    ///
+    /// # Errors
+    ///
+    /// If the pixel is outside of the film.
+    pub fn add(&mut self, x: u32, y: u32, radiance: Vec3, covered: bool) -> Result<(), FilmError> {
+        let index = self.index(x, y)?;
+        let pixel = &mut self.pixels[index];
+        let was_behind = pixel.samples == self.samples;
+        let valid = pixel.add(radiance.to_array(), covered);
+        self.rejected += u64::from(!valid);
+        self.advance(usize::from(was_behind));
+        Ok(())
+    }
+
+    /// Returns the mean of the samples of each pixel, rounded once; black and transparent where there
+    /// are none.
+    #[must_use]
+    pub fn image(&self) -> Image {
+        Image {
+            width: self.width,
+            height: self.height,
+            pixels: self.pixels.iter().map(PixelSum::mean).collect(),
+        }
+    }
+
+    fn index(&self, x: u32, y: u32) -> Result<usize, FilmError> {
+        let Self { width, height, .. } = *self;
+        if x < width && y < height {
+            Ok(y as usize * width as usize + x as usize)
+        } else {
+            Err(FilmError::OutOfRange { x, y, width, height })
+        }
+    }
+
+    /// True if all pixels have the same number of samples.
+    fn is_even(&self) -> bool {
+        self.behind == self.pixels.len()
+    }
+
+    /// Takes note that `count` pixels now have more samples than the minimum.
+    fn advance(&mut self, count: usize) {
+        self.behind -= count;
+        if self.behind == 0 {
+            self.count_samples();
+        }
+    }
+
+    /// Computes the minimum number of samples, and how many pixels have it.
+    fn count_samples(&mut self) {
+        use rayon::prelude::*;
+        let least = |a: (u32, usize), b: (u32, usize)| match a.0.cmp(&b.0) {
+            std::cmp::Ordering::Less => a,
+            std::cmp::Ordering::Equal => (a.0, a.1 + b.1),
+            std::cmp::Ordering::Greater => b,
+        };
+        let pixels = self.pixels.par_iter().with_min_len(1 << 14);
+        let (samples, behind) =
+            pixels.map(|pixel| (pixel.samples, 1)).reduce(|| (u32::MAX, 0), least);
+        (self.samples, self.behind) = (samples, behind);
+    }
+}
+
+/// Largest number of pixels of a film: 1 TiB of sums.
+const MOST_PIXELS: usize = 1 << 34;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_those_that_every_pixel_has() {
+        let mut film = Film::new(2, 1).expect("a film");
+        let add = |film: &mut Film, x| film.add(x, 0, Vec3::ONE, true).expect("a pixel");
+        add(&mut film, 0);
+        add(&mut film, 0);
+        assert_eq!((film.samples(), film.is_even()), (0, false));
+        add(&mut film, 1);
+        assert_eq!((film.samples(), film.is_even()), (1, false));
+        add(&mut film, 1);
+        assert_eq!((film.samples(), film.is_even()), (2, true));
+        assert_eq!([0, 1, 2].map(|x| film.samples_at(x, 0)), [Some(2), Some(2), None]);
+    }
+
+    #[test]
+    fn a_film_that_cannot_be_is_refused() {
+        for (width, height, message) in [
+            (0, 5, "a film of 0 x 5 has no pixels"),
+            (5, 0, "a film of 5 x 0 has no pixels"),
+            (u32::MAX, u32::MAX, "a film of 4294967295 x 4294967295 does not fit into memory"),
+        ] {
+            let error = Film::new(width, height).expect_err("no film").to_string();
+            assert!(error.starts_with(message), "{error}");
+        }
+        let mut film = Film::new(3, 2).expect("a film");
+        let error = film.add(1, 2, Vec3::ONE, true).expect_err("no such pixel").to_string();
+        assert_eq!(error, "pixel (1, 2) is outside of a film of 3 x 2");
+    }
+}

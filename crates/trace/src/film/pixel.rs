@@ -1,0 +1,120 @@
+//! The sum of the samples of one pixel, in fixed point.
+
+/// The sum of the samples of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PixelSum {
+    /// Sums of red, green and blue in steps of 2⁻⁵⁶. A sample is less than 2³⁹, so 2³² samples do not
+    /// overflow.
+    pub(crate) radiance: [u128; 3],
+    /// Number of samples that met a surface or an environment.
+    pub(crate) covered: u32,
+    /// Number of samples.
+    pub(crate) samples: u32,
+}
+
+/// Bits after the binary point of a sum.
+const FRACTION_BITS: i32 = 56;
+/// Upper limit of a sample's radiance, exclusive.
+const LIMIT: f32 = (1_u64 << 39) as f32;
+
+impl PixelSum {
+    /// Adds a sample and returns true. A radiance that is NaN, negative, or 2³⁹ or more is counted as
+    /// black, and the result is false.
+    pub(super) fn add(&mut self, radiance: [f32; 3], covered: bool) -> bool {
+        self.samples += 1;
+        self.covered += u32::from(covered);
+        // The comparison is false for NaN and true for negative zero.
+        let valid = radiance.iter().all(|&c| (0.0..LIMIT).contains(&c));
+        if valid {
+            for (sum, c) in self.radiance.iter_mut().zip(radiance) {
+                *sum += fixed(c);
+            }
+        }
+        valid
+    }
+
+    /// Adds the samples of another sum.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.samples += other.samples;
+        self.covered += other.covered;
+        for (radiance, other) in self.radiance.iter_mut().zip(other.radiance) {
+            *radiance += other;
+        }
+    }
+
+    /// Returns mean radiance and coverage, rounded once; black and transparent without samples.
+    pub(super) fn mean(&self) -> [f32; 4] {
+        let count = f64::from(self.samples.max(1));
+        let scale = (-f64::from(FRACTION_BITS)).exp2() / count;
+        let [r, g, b] = self.radiance.map(|sum| (sum as f64 * scale) as f32);
+        [r, g, b, (f64::from(self.covered) / count) as f32]
+    }
+}
+
+/// Returns `x` in steps of 2⁻⁵⁶, rounded down; `x` must be in `0.0..LIMIT`.
+fn fixed(x: f32) -> u128 {
+    // A normal number is its mantissa, 24 bits with the hidden one, times 2^(exponent - 150).
+    // Subnormal numbers are far below one step.
+    let bits = x.to_bits() & 0x7fff_ffff;
+    let exponent = (bits >> 23) as i32;
+    let mantissa = u128::from(bits & 0x007f_ffff | 0x0080_0000);
+    let shift = exponent - 150 + FRACTION_BITS;
+    if shift >= 0 {
+        mantissa << shift
+    } else if shift > -24 {
+        mantissa >> -shift
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::PixelSum;
+
+    #[test]
+    fn a_mean_is_that_of_exact_sums() {
+        let table: [(&str, &[f32], f32); 6] = [
+            ("one", &[1.0], 1.0),
+            ("zeros of both signs", &[0.0, -0.0], 0.0),
+            ("large and small do not absorb each other", &[1e9, 1e-3, 1e-3, 1e9], 5e8 + 5e-4),
+            ("thirds", &[1.0 / 3.0; 3], 1.0 / 3.0),
+            ("tiny", &[1e-12, 3e-12], 2e-12),
+            ("subnormal", &[1e-40], 0.0),
+        ];
+        for (why, samples, mean) in table {
+            let mut pixel = PixelSum::default();
+            for &x in samples {
+                assert!(pixel.add([x; 3], true), "{why}");
+            }
+            let [r, _, _, a] = pixel.mean();
+            assert!((r - mean).abs() <= 2e-5 * mean, "{why}: {r} is not {mean}");
+            assert_eq!(a, 1.0, "{why}");
+        }
+    }
+
+    #[test]
+    fn the_order_of_samples_changes_no_bit() {
+        let samples: Vec<f32> = (0..999).map(|i| (i as f32 * 0.7).sin().exp() * 1e3).collect();
+        let sum = |order: &mut dyn Iterator<Item = &f32>| {
+            let mut pixel = PixelSum::default();
+            order.for_each(|&x| assert!(pixel.add([x; 3], true)));
+            pixel
+        };
+        assert_eq!(sum(&mut samples.iter()), sum(&mut samples.iter().rev()));
+    }
+
+    #[test]
+    fn an_invalid_radiance_counts_as_black() {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e12] {
+            let mut pixel = PixelSum::default();
+            assert!(!pixel.add([1.0, bad, 1.0], true), "{bad}");
+            assert_eq!(pixel.mean(), [0.0, 0.0, 0.0, 1.0], "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_pixel_fills_one_cache_line() {
+        assert_eq!(size_of::<PixelSum>(), 64);
+    }
+}

@@ -1,0 +1,218 @@
+//! Radiance along one path from the camera.
+//!
+//! At each vertex one direction is sampled from the lights and one from the BSDF, or from the phase
+//! function inside of a medium. Multiple importance sampling weights both by the power heuristic, since
+//! each technique could have sampled the direction of the other. The path continues along the second
+//! direction; the surface that it hits tells with which density the lights would have sampled it.
+//! Inside of a solid that scatters, no light can be sampled through the refracting wall; there a path is
+//! split, and all parts continue.
+
+mod scatter;
+
+use crate::context::{Arrived, Context};
+use crate::medium::{Media, Medium};
+use crate::opacity::{SHEET_SETS, SHEETS};
+use crate::{Receiver, Sampler, power_heuristic};
+use glam::Vec3;
+use rotund_geometry::{Ray, leave_surface};
+use rotund_scene::{MaterialKind, SceneHit};
+
+/// Number of segments after which Russian roulette may end a path.
+const ROULETTE_AFTER: u32 = 4;
+/// Throughput below which Russian roulette may end a path. A higher threshold saves less time than the
+/// noise it adds costs, above all where a few paths carry most of the light.
+const ROULETTE_BELOW: f32 = 0.5;
+/// Dimension sets of a segment. The camera takes set 0, the segments follow.
+const SETS_PER_SEGMENT: u32 = 3;
+/// Number of parts that a path is split into where it enters a solid that scatters. No light can be
+/// sampled there through the wall, so all of it comes from the few paths that find the way out. Four
+/// parts share the cost of the segments before the split.
+const PARTS: u32 = 4;
+
+/// The vertex at which the last direction was sampled, unless it was a delta direction.
+#[derive(Clone, Copy)]
+struct Origin {
+    receiver: Receiver,
+    /// Density of the direction per solid angle.
+    pdf: f32,
+}
+
+/// The state of a path between two vertices.
+#[derive(Clone)]
+struct Path<'a> {
+    context: &'a Context<'a>,
+    sampler: Sampler,
+    ray: Ray,
+    throughput: Vec3,
+    origin: Option<Origin>,
+    media: Media,
+    /// Number of the segment along `ray`, counted from 1 at the camera.
+    segment: u32,
+    /// Number of surfaces of partial opacity met so far.
+    sheets: u32,
+    /// The path has been split already: it is one of [`PARTS`].
+    part: bool,
+    /// Nothing has changed the direction since the camera.
+    straight: bool,
+    arrived: Arrived,
+}
+
+/// The continuation of a path after a vertex.
+enum Next {
+    /// One more segment.
+    Segment,
+    /// A split into [`PARTS`] paths.
+    Parts,
+    /// None.
+    End,
+}
+
+impl Context<'_> {
+    /// Returns the radiance along a ray of unit direction.
+    pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler) -> Arrived {
+        let path = Path {
+            context: self,
+            sampler: *sampler,
+            ray,
+            throughput: Vec3::ONE,
+            origin: None,
+            media: Media::default(),
+            segment: 1,
+            sheets: 0,
+            part: false,
+            straight: true,
+            arrived: Arrived::default(),
+        };
+        path.follow()
+    }
+}
+
+impl Path<'_> {
+    /// Follows the path to its end.
+    fn follow(mut self) -> Arrived {
+        while self.segment <= self.context.bounces {
+            match self.step() {
+                Next::Segment => {}
+                Next::Parts => return self.divide(),
+                Next::End => break,
+            }
+        }
+        self.arrived
+    }
+
+    /// Splits the path, and adds the mean radiance of its parts to what has arrived.
+    fn divide(self) -> Arrived {
+        let mut sum = self.arrived;
+        for part in 0..PARTS {
+            let sampler = self.sampler.part(part, PARTS);
+            let path = Path { sampler, part: true, arrived: Arrived::default(), ..self.clone() };
+            let arrived = path.follow();
+            sum.radiance += arrived.radiance / PARTS as f32;
+            sum.rays += arrived.rays;
+        }
+        sum
+    }
+
+    /// Traces the ray, gathers light at its end, and samples the next ray.
+    fn step(&mut self) -> Next {
+        let scene = self.context.scene;
+        self.arrived.rays += 1;
+        // Borrow the hit instead of moving it: copying it right after the store stalls on store-to-load
+        // forwarding.
+        let found = self.context.trees.closest(scene, &self.ray);
+        let Some(hit) = &found else {
+            self.gather_environment();
+            return Next::End;
+        };
+        if let Some(&medium) = self.media.innermost() {
+            if medium.albedo == Vec3::ZERO {
+                self.throughput *= self.media.transmittance(hit.t);
+            } else {
+                let [channel, u, ..] = self.numbers(2);
+                let (distance, factor) = medium.sample(hit.t, channel, u);
+                self.throughput *= factor;
+                if let Some(distance) = distance {
+                    return self.scatter_inside(&medium, self.ray.at(distance));
+                }
+            }
+        }
+        let material = scene.eval_material(hit.instance, hit.element, hit.uv);
+        if material.opacity < 1.0 {
+            let [chance, ..] = self.sampler.set(SHEET_SETS + self.sheets);
+            self.sheets += 1;
+            if self.sheets > SHEETS {
+                return Next::End;
+            }
+            if chance >= material.opacity {
+                self.pass(hit);
+                return Next::Segment;
+            }
+        }
+        self.arrived.covered = true;
+        self.gather_emission(hit, material.emission);
+        if self.segment == self.context.bounces {
+            return Next::End;
+        }
+        if material.kind == MaterialKind::Volumetric {
+            // `origin` stays: light samples pass the borders of clouds as well.
+            self.media.cross(hit, self.ray.direction, Medium::new(&material));
+            self.pass(hit);
+            self.segment += 1;
+            return Next::Segment;
+        }
+        self.scatter_at(hit, &material)
+    }
+
+    /// Returns the `index`-th set of numbers of this segment.
+    fn numbers(&self, index: u32) -> [f32; 4] {
+        self.sampler.set(1 + SETS_PER_SEGMENT * (self.segment - 1) + index)
+    }
+
+    /// Continues straight behind a surface.
+    fn pass(&mut self, hit: &SceneHit) {
+        self.ray.origin = leave_surface(hit.position, hit.error, hit.normal, self.ray.direction);
+    }
+
+    fn gather_environment(&mut self) {
+        let Context { scene, lights, furnace, transparent, .. } = self.context;
+        if *transparent && self.straight {
+            self.arrived.covered = false;
+            return;
+        }
+        if *furnace {
+            self.arrived.radiance += self.throughput;
+            self.arrived.covered = true;
+            return;
+        }
+        let receiver = self.origin.as_ref().map(|origin| &origin.receiver);
+        let (radiance, other) = lights.environment(scene, receiver, self.ray.direction);
+        let weight = self.origin.as_ref().map_or(1.0, |origin| power_heuristic(origin.pdf, other));
+        self.arrived.radiance += weight * self.throughput * radiance;
+        self.arrived.covered |= !scene.environments.is_empty();
+    }
+
+    fn gather_emission(&mut self, hit: &SceneHit, emission: Vec3) {
+        if emission != Vec3::ZERO && !self.context.furnace {
+            let weight = self.origin.as_ref().map_or(1.0, |origin| {
+                power_heuristic(origin.pdf, self.context.lights.pdf(&origin.receiver, hit))
+            });
+            self.arrived.radiance += weight * self.throughput * emission;
+        }
+    }
+
+    /// Takes the next segment, unless the throughput is zero or Russian roulette ends the path.
+    #[inline(always)]
+    fn continue_along(&mut self, ray: Ray, roulette: f32) -> Next {
+        if self.segment >= ROULETTE_AFTER {
+            let survival = (self.throughput.max_element() / ROULETTE_BELOW).min(0.99);
+            if roulette >= survival {
+                return Next::End;
+            }
+            self.throughput /= survival;
+        }
+        self.ray = ray;
+        self.straight = false;
+        self.segment += 1;
+        if self.throughput == Vec3::ZERO { Next::End } else { Next::Segment }
+    }
+}

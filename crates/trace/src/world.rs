@@ -1,0 +1,125 @@
+//! A scene together with what rendering it takes.
+
+use crate::context::{Context, Facts};
+use crate::near::{Near, better_origin};
+use crate::{Lights, Options, RenderError, View};
+use rotund_geometry::Ray;
+use rotund_scene::{Camera, Scene, SceneError, SceneHit, Trees};
+use std::borrow::Cow;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A scene, the trees that rays are traced with, and the tables that lights are sampled with.
+///
+/// [`Self::render`] and [`Self::layers`] make pictures of it. An integrator of one's own traces rays by
+/// [`Self::closest`] and [`Self::any`], samples [`Self::lights`], and fills a [`crate::Film`].
+///
+/// A world borrows its scene, so it always fits. After an edit of the scene, make a new world: from
+/// nothing by [`Self::new`], or by [`Self::from_parts`] with trees that were refitted.
+#[derive(Debug)]
+pub struct World<'a> {
+    scene: &'a Scene,
+    trees: Cow<'a, Trees>,
+    lights: Cow<'a, Lights>,
+    facts: Facts,
+    /// The scene about the far camera that was rendered last.
+    near: Mutex<Option<Arc<Near>>>,
+}
+
+impl<'a> World<'a> {
+    /// Builds trees and lights on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    ///
+    /// If [`Scene::validate`] refuses the scene.
+    pub fn new(scene: &'a Scene) -> Result<Self, SceneError> {
+        let trees = Trees::build(scene)?;
+        let lights = Lights::of_valid(scene);
+        Ok(Self::assemble(scene, Cow::Owned(trees), Cow::Owned(lights)))
+    }
+
+    /// Puts a world together from trees and lights that exist already. They must have been built from
+    /// this scene, or refitted to it; those of another scene give wrong pictures, or panics at indices that
+    /// are out of range.
+    ///
+    /// # Errors
+    ///
+    /// If [`Scene::validate`] refuses the scene.
+    pub fn from_parts(
+        scene: &'a Scene,
+        trees: &'a Trees,
+        lights: &'a Lights,
+    ) -> Result<Self, SceneError> {
+        scene.validate()?;
+        Ok(Self::assemble(scene, Cow::Borrowed(trees), Cow::Borrowed(lights)))
+    }
+
+    fn assemble(scene: &'a Scene, trees: Cow<'a, Trees>, lights: Cow<'a, Lights>) -> Self {
+        Self { scene, trees, lights, facts: Facts::new(scene), near: Mutex::new(None) }
+    }
+
+    /// Returns the scene.
+    #[must_use]
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// Returns the trees of the scene.
+    #[must_use]
+    pub fn trees(&self) -> &Trees {
+        &self.trees
+    }
+
+    /// Returns the lights of the scene.
+    #[must_use]
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// Returns a camera of the scene.
+    ///
+    /// # Errors
+    ///
+    /// If the scene has no camera of this index.
+    pub fn camera(&self, index: usize) -> Result<&'a Camera, RenderError> {
+        let count = self.scene.cameras.len();
+        self.scene.cameras.get(index).ok_or(RenderError::NoCamera { camera: index, count })
+    }
+
+    /// Returns the first surface that a ray meets with `t` in `t_min..=t_max`.
+    #[must_use]
+    pub fn closest(&self, ray: &Ray) -> Option<SceneHit> {
+        self.trees.closest(self.scene, ray)
+    }
+
+    /// Returns true if a ray meets any surface with `t` in `t_min..=t_max`, whatever its opacity.
+    #[must_use]
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.trees.any(self.scene, ray)
+    }
+
+    /// Returns the context of a render of the scene where it is.
+    pub(crate) fn context(&self, options: &Options) -> Context<'_> {
+        Context::new(self.scene, &self.trees, &self.lights, self.facts, options)
+    }
+
+    /// Returns the scene about its camera, if `options` ask for it and it gains digits.
+    pub(crate) fn near(
+        &self,
+        camera: usize,
+        options: &Options,
+    ) -> Result<Option<Arc<Near>>, RenderError> {
+        if !options.recenter || options.view != View::Path {
+            return Ok(None);
+        }
+        let Some(origin) = better_origin(self.scene, self.camera(camera)?) else { return Ok(None) };
+        let mut kept = self.near.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(near) = kept.as_ref().filter(|near| near.camera == camera) {
+            return Ok(Some(Arc::clone(near)));
+        }
+        // The memory of another camera's is free before that of this one is taken.
+        *kept = None;
+        let near = Arc::new(Near::new(self.scene, camera, origin)?);
+        *kept = Some(Arc::clone(&near));
+        Ok(Some(near))
+    }
+}
