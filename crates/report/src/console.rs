@@ -14,14 +14,21 @@ pub fn say(text: impl AsRef<str>) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Columns of a terminal that a table keeps to.
+const TERMINAL_COLUMNS: usize = 80;
+
 /// Rows of text under a heading: the first column is aligned left, the others right.
+///
+/// A table is at most 80 columns wide, as long as its columns but the first leave room for that one. A
+/// longer first cell stands on a line of its own above the rest of its row, cut into pieces of 80.
 #[derive(Clone, Debug)]
 pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table with these column headings.
+    /// Makes a table with these column headings.
+    #[must_use]
     pub fn new(headings: &[&str]) -> Self {
         Self { rows: vec![headings.iter().map(|&heading| heading.to_owned()).collect()] }
     }
@@ -30,33 +37,50 @@ impl Table {
     pub fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }
+
+    /// Returns the width of each column; that of the first is cut to the room beside the others.
+    fn widths(&self) -> Vec<usize> {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width = |column: usize| {
+            let cells = self.rows.iter().filter_map(|row| row.get(column));
+            cells.map(|cell: &String| cell.chars().count()).max().unwrap_or(0)
+        };
+        let mut widths: Vec<usize> = (0..columns).map(width).collect();
+        if let Some((first, others)) = widths.split_first_mut() {
+            let taken: usize = others.iter().map(|width| width + 2).sum();
+            *first = (*first).min(TERMINAL_COLUMNS.saturating_sub(taken));
+        }
+        widths
+    }
 }
 
 impl std::fmt::Display for Table {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
-        let width = |column| {
-            self.rows
-                .iter()
-                .filter_map(|row| row.get(column))
-                .map(|cell: &String| cell.chars().count())
-                .max()
-        };
-        let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+        let widths = self.widths();
         for (index, row) in self.rows.iter().enumerate() {
             let mut line = String::new();
             for (column, cell) in row.iter().enumerate() {
                 let width = widths[column];
-                if column == 0 {
+                if column > 0 {
+                    write!(line, "  {cell:>width$}")?;
+                } else if cell.chars().count() <= width {
                     write!(line, "{cell:<width$}")?;
                 } else {
-                    write!(line, "  {cell:>width$}")?;
+                    for (at, letter) in cell.chars().enumerate() {
+                        if at > 0 && at % TERMINAL_COLUMNS == 0 {
+                            f.write_str("\n")?;
+                        }
+                        f.write_char(letter)?;
+                    }
+                    // The rest of the row follows on the next line.
+                    write!(line, "\n{:width$}", "")?;
                 }
             }
-            if index > 0 {
-                f.write_str("\n")?;
+            if index + 1 < self.rows.len() {
+                writeln!(f, "{}", line.trim_end())?;
+            } else {
+                f.write_str(line.trim_end())?;
             }
-            f.write_str(line.trim_end())?;
         }
         Ok(())
     }
@@ -72,5 +96,20 @@ mod tests {
         table.row(["sphere", "6.4"]);
         table.row(["cone", "20.4"]);
         assert_eq!(table.to_string(), "method    ns\nsphere   6.4\ncone    20.4");
+    }
+
+    #[test]
+    fn a_long_name_stands_above_its_numbers_so_that_80_columns_are_enough() {
+        let mut table = Table::new(&["picture", &"n".repeat(40)]);
+        let (fits, long, longest) = ("a".repeat(38), "b".repeat(39), "c".repeat(81));
+        table.row([fits.as_str(), "1"]);
+        table.row([long.as_str(), "2"]);
+        table.row([longest.as_str(), "3"]);
+        let text = table.to_string();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines.iter().all(|line| line.len() <= 80), "{text}");
+        assert_eq!(lines[1], format!("{fits}{:>42}", 1));
+        assert_eq!(lines[2..4], [long, format!("{:>80}", 2)]);
+        assert_eq!(lines[4..], ["c".repeat(80), "c".to_owned(), format!("{:>80}", 3)]);
     }
 }

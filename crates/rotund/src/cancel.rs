@@ -1,5 +1,5 @@
-//! Ctrl-C: a render stops at the next pass and what there is is written. A second Ctrl-C ends the
-//! program at once.
+//! Ctrl-C: the first ends a render early, and its samples are written; the second ends the program at
+//! once.
 
 use std::fmt;
 use std::sync::OnceLock;
@@ -8,35 +8,35 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static LISTENING: OnceLock<()> = OnceLock::new();
 
-/// The exit code of a program that was interrupted: 128 and the number of the signal.
-pub const EXIT_CODE: u8 = 130;
+/// Exit code of a program that was interrupted: 128 plus the number of the signal.
+pub(crate) const EXIT_CODE: u8 = 130;
 
-/// Proof that Ctrl-C is listened to.
+/// Proof that the handler of Ctrl-C is installed.
 #[derive(Clone, Copy, Debug)]
-pub struct Cancel(());
+pub(crate) struct Cancel(());
 
 impl Cancel {
-    /// From now on Ctrl-C is a request and no longer the end.
-    pub fn listen() -> Self {
+    /// Installs the handler: from now on the first Ctrl-C is a request.
+    pub(crate) fn listen() -> Self {
         LISTENING.get_or_init(|| {
             let handler = || {
                 if REQUESTED.swap(true, Ordering::Relaxed) {
                     std::process::exit(i32::from(EXIT_CODE));
                 }
             };
-            // Without a handler Ctrl-C ends the program, which is also what was asked for.
+            // If no handler can be installed, Ctrl-C ends the program as it does by default.
             let _ = ctrlc::set_handler(handler);
         });
         Self(())
     }
 
-    /// Whether Ctrl-C was pressed.
-    pub fn requested(self) -> bool {
+    /// Returns true if Ctrl-C was pressed.
+    pub(crate) fn requested(self) -> bool {
         REQUESTED.load(Ordering::Relaxed)
     }
 }
 
-/// The error of work that Ctrl-C has ended: it says what was written.
+/// The error of a command that Ctrl-C interrupted. Its text says what was written.
 #[derive(Clone, Debug)]
 pub struct Cancelled(pub String);
 

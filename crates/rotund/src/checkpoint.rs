@@ -1,5 +1,6 @@
-//! Films on disk: a render that can be stopped at any time and go on, and shards of one picture.
+//! Films on disk: checkpoints of a render that can be interrupted, and shards of one picture.
 
+use crate::message::one_line;
 use crate::scene_source::NamedScene;
 use anyhow::{Result, bail};
 use rotund_scene::{Elements, Scene};
@@ -8,20 +9,21 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Options of a render that leaves its film on disk.
+/// Options of a render that keeps its film on disk.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct CheckpointArgs {
-    /// Keep all that is needed to go on in this file: it is replaced now and then, and at the end.
+    /// Save the state of the render in this file, now and then and at the end.
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Seconds between checkpoints.
     #[arg(long, value_name = "SECONDS", default_value_t = 60, requires = "checkpoint")]
     checkpoint_every: u64,
-    /// Go on from the checkpoint, if there is one; the picture is that of an uninterrupted render, bit for bit.
+    /// Continue from the checkpoint if there is one. The picture equals that of an uninterrupted render
+    /// bit for bit.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
-    /// Render every N-th sample only, the I-th and so on, counted from 1; `merge` makes one picture of
-    /// the checkpoints of all N shards.
+    /// Render only shard I of N, counted from 1: every N-th sample. `merge` makes one picture of the
+    /// checkpoints of all shards.
     #[arg(long, value_name = "I/N", value_parser = parse_shard, requires = "checkpoint")]
     pub(crate) shard: Option<Shard>,
 }
@@ -41,7 +43,7 @@ fn parse_shard(text: &str) -> Result<Shard, String> {
     }
 }
 
-/// A file that follows a film.
+/// The file that a film is saved in.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
     path: PathBuf,
@@ -50,8 +52,8 @@ pub(crate) struct Checkpoint {
 }
 
 impl CheckpointArgs {
-    /// The film to add to, and the file to keep it in. `label` tells all that the samples depend on and
-    /// a film does not know.
+    /// Returns the film to add samples to, and the file to save it in. `label` names everything that the
+    /// samples depend on and that a film has no field for.
     pub(crate) fn open(
         &self,
         options: &Options,
@@ -69,13 +71,13 @@ impl CheckpointArgs {
             return Ok((empty, Some(checkpoint)));
         }
         if !self.resume {
-            bail!("{} exists: add --resume to go on from it, or remove it", path.display());
+            bail!("{} exists: add --resume to continue it, or remove it", path.display());
         }
         let film = output::load_film(path)?;
         let of = |film: &Film| (film.width(), film.height(), film.seed(), film.shard());
         if of(&film) != of(&empty) || film.label() != empty.label() {
             bail!(
-                "{} is the checkpoint of another picture: it is of {}, not of {}",
+                "{} is the checkpoint of another picture: {}, not {}",
                 path.display(),
                 describe(&film),
                 describe(&empty)
@@ -98,24 +100,25 @@ impl Checkpoint {
         &self.path
     }
 
-    /// Replaces the file if it is old enough. A disk that is full now may not be at the end.
+    /// Saves the film if the last time is long enough ago. A failure is only a warning: a disk that is
+    /// full now may have room at the end.
     #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
     pub(crate) fn update(&mut self, film: &Film) {
         if self.saved.elapsed() >= self.every {
             if let Err(error) = self.save(film) {
-                eprintln!("warning: {error:#}");
+                eprintln!("warning: {}", one_line(&error));
             }
             self.saved = Instant::now();
         }
     }
 
-    /// Replaces the file.
+    /// Saves the film.
     pub(crate) fn save(&self, film: &Film) -> Result<()> {
         Ok(output::save_film(&self.path, film)?)
     }
 }
 
-/// What a film is of, for a person who has to tell it from another.
+/// Describes a film so that a person can tell it from another.
 pub(crate) fn describe(film: &Film) -> String {
     let Shard { index, count } = film.shard();
     let shard = if count > 1 { format!(", shard {}/{count}", index + 1) } else { String::new() };
@@ -123,7 +126,7 @@ pub(crate) fn describe(film: &Film) -> String {
     format!("{label}, {width} x {height}, seed {seed}{shard}")
 }
 
-/// What a film is of, in words, with a hash of the whole scene.
+/// Returns the label of a film: scene, camera and options in words, with a hash of the whole scene.
 pub(crate) fn label(scene: &NamedScene, camera: usize, options: &Options) -> String {
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);
     hash.scene(&scene.scene);
@@ -131,7 +134,7 @@ pub(crate) fn label(scene: &NamedScene, camera: usize, options: &Options) -> Str
         "{} ({:016x}), camera {}, {} bounces",
         scene.name, hash.0, scene.scene.cameras[camera].name, options.bounces
     );
-    // What is not the default is worth a word.
+    // Options are named only if they differ from the default.
     let usual = Options::default();
     if options.sequence != usual.sequence {
         label += &format!(", {:?} numbers", options.sequence).to_lowercase();
@@ -148,7 +151,7 @@ pub(crate) fn label(scene: &NamedScene, camera: usize, options: &Options) -> Str
     label
 }
 
-/// FNV-1a over words: against mistakes, not against malice.
+/// FNV-1a over 32-bit words. It detects mistakes; it is no protection against forgery.
 struct Hash(u64);
 
 impl Hash {
@@ -187,7 +190,7 @@ impl Hash {
         self.debug(&(&scene.cameras, &scene.materials, &scene.instances, &scene.environments));
     }
 
-    /// Small things by what they print.
+    /// Hashes the debug text of a small value.
     fn debug(&mut self, value: &impl fmt::Debug) {
         format!("{value:?}").bytes().for_each(|byte| self.word(u32::from(byte)));
     }

@@ -1,34 +1,29 @@
 //! `completions SHELL`: a script that teaches a shell the commands and their options.
-//!
-//! `cargo xtask` is an alias of cargo, which completes its own words; so the script is for a name of
-//! its own, `xtask`, that stands for the same.
 
 use anyhow::Result;
-use clap::CommandFactory as _;
 use clap_complete::Shell;
 use rotund_report::console::say;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask completions zsh > ~/.zfunc/_xtask
+  rotund completions zsh > ~/.zfunc/_rotund
+  rotund completions fish > ~/.config/fish/completions/rotund.fish
 
-For bash, both lines in ~/.bashrc:
-  alias xtask='cargo xtask'
-  source <(cargo xtask completions bash)";
+For bash, in ~/.bashrc:
+  source <(rotund completions bash)";
 
 /// Options of `completions`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
+pub struct Args {
     /// The shell.
     shell: Shell,
 }
 
-pub(crate) fn run(args: &Args) -> Result<()> {
+/// Prints the script for `program`, under the name that it has as a clap command.
+pub(crate) fn run(args: &Args, mut program: clap::Command) -> Result<()> {
     let mut script = Vec::new();
-    let mut command = crate::Cli::command().name(NAME).bin_name(NAME);
-    clap_complete::generate(args.shell, &mut command, NAME, &mut script);
+    let name = program.get_name().to_owned();
+    clap_complete::generate(args.shell, &mut program, name, &mut script);
     say(String::from_utf8(script)?.trim_end())
 }
-
-const NAME: &str = "xtask";

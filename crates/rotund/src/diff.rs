@@ -1,29 +1,27 @@
-//! `diff A B`: how far two images are apart, in numbers.
+//! `diff A B`: the difference of two images, in numbers and maps.
 //!
-//! Reads EXR, HDR, PNG and JPEG; `B` is the reference that relative errors are relative to.
+//! Reads EXR, HDR, PNG and JPEG. `B` is the reference of relative errors.
 
 use anyhow::{Context, Result};
-use rotund_image::Difference;
-use rotund_image::metrics::Metrics;
-use rotund_image::{Picture, write_png};
+use rotund_image::{Difference, Image, Metrics};
 use rotund_report::console::{Table, say};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
-  cargo xtask diff mine.exr reference.exr --json
-  cargo xtask diff a.png b.png --signed-map signed.png --flip-map flip.png";
+  rotund diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
+  rotund diff mine.exr reference.exr --json
+  rotund diff a.png b.png --signed-map signed.png --flip-map flip.png";
 
 /// Options of `diff`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
+pub struct Args {
     /// An image: exr or hdr (linear), png or jpg (sRGB).
     a: PathBuf,
-    /// The image it is held against, of the same size.
+    /// The reference, of the same size.
     b: PathBuf,
-    /// Write where A is lighter (red) and darker (blue) than B, as a PNG with a legend.
+    /// Write where A is brighter (red) and darker (blue) than B, as a PNG with a legend.
     #[arg(long, value_name = "FILE.png")]
     signed_map: Option<PathBuf>,
     /// Write the FLIP error of each pixel, as a PNG with a legend.
@@ -35,15 +33,15 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let (a, b) = (Picture::read(&args.a)?, Picture::read(&args.b)?);
+    let (a, b) = (Image::read(&args.a)?, Image::read(&args.b)?);
     let difference = Difference::between(&a, &b).with_context(|| {
         format!("cannot compare {} with {}", args.a.display(), args.b.display())
     })?;
     if let Some(path) = &args.signed_map {
-        write_png(path, &difference.signed_map("luminance of A - B"))?;
+        difference.signed_map("luminance of A - B").write(path)?;
     }
     if let Some(path) = &args.flip_map {
-        write_png(path, &difference.flip_map())?;
+        difference.flip_map().write(path)?;
     }
     if args.json {
         return say(serde_json::to_string_pretty(&difference.metrics)?);
@@ -59,11 +57,11 @@ fn table(m: &Metrics) -> Table {
     table.row(["mean_abs".to_owned(), format!("{:.6}", m.mean_abs)]);
     table.row(["rmse".to_owned(), format!("{:.6}", m.rmse)]);
     table.row(["rel_mse".to_owned(), format!("{:.6}", m.rel_mse)]);
-    table.row(["rel_mse, worst 0.1 % left out".to_owned(), format!("{:.6}", m.rel_mse_trimmed)]);
+    table.row(["rel_mse without the worst 0.1 %".to_owned(), format!("{:.6}", m.rel_mse_trimmed)]);
     table.row(["flip_mean".to_owned(), format!("{:.6}", m.flip_mean)]);
     table.row(["changed_fraction".to_owned(), format!("{:.6}", m.changed_fraction)]);
     if m.invalid_pixels > 0 {
-        table.row(["pixels not finite, left out".to_owned(), m.invalid_pixels.to_string()]);
+        table.row(["pixels left out, not finite".to_owned(), m.invalid_pixels.to_string()]);
     }
     table
 }

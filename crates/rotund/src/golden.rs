@@ -1,24 +1,22 @@
-//! `golden`: do the pictures still look as they did when somebody accepted them?
+//! `golden`: small pictures checked against stored references.
 //!
-//! Renders small pictures, compares each with a stored reference and fails with a page that shows
-//! what differs. The pictures of the workspace are the scenes in `tests/golden`, each with both
-//! methods; `--dir` keeps pictures of other people's scenes.
+//! Renders small pictures, compares each with its reference and fails with a page that shows what
+//! differs. Pictures are those of the scene files that are named, each by the methods that it asks for; or
+//! those of all scene files in the folder of the references, each by both methods.
 //!
-//! Light is compared by a statistical test, so that the check survives another processor, sampler or
-//! order of sums and still sees one percent of it: see [`verdict`]. To be honest it renders with other
-//! random numbers than the reference was made of. What is seen, and where, has no noise, and one ray
-//! that goes wrong is found: see [`surface`]. Every instruction set has to pass: `--isa all`.
+//! Light is compared by a statistical test, so the check accepts another processor, sampler or order of
+//! sums and still sees a change by one percent: see [`rotund_golden::verdict`]. The check renders with
+//! other random numbers than the reference, which the test requires. What each camera ray hits has no
+//! noise, and one ray that goes wrong is found: see [`rotund_golden::surface`]. `--isa all` repeats the
+//! check with every instruction set that the trees have code for.
 //!
 //! # Golden pictures of your own scenes
 //!
 //! ```sh
-//! cargo xtask golden --dir goldens --bless scenes/a.json scenes/b.json   # once; commit goldens/
-//! cargo xtask golden --dir goldens scenes/a.json scenes/b.json           # in every build
+//! rotund golden --dir goldens --bless a.json b.json   # once; commit goldens/
+//! rotund golden --dir goldens a.json b.json           # in every build
 //! ```
-//!
-//! The README of the workspace has a job of GitHub Actions for that.
 
-use crate::workspace;
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use rotund_bvh::Isa;
@@ -28,6 +26,7 @@ use rotund_golden::moments::Moments;
 use rotund_golden::page::{self, Failure};
 use rotund_golden::reference::Reference;
 use rotund_golden::significance::FALSE_ALARMS;
+use rotund_golden::verdict::Verdict;
 use rotund_golden::{Judged, Outcome, REPLICAS, examine};
 use rotund_report::console::{Table, say};
 use rotund_trace::{Sequence, output};
@@ -39,51 +38,50 @@ use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask golden
-  cargo xtask golden --isa all
-  cargo xtask golden --bless
-  cargo xtask golden --dir goldens --bless scenes/a.json scenes/b.json
-  cargo xtask golden --dir goldens scenes/a.json scenes/b.json";
+  rotund golden --dir goldens --bless a.json b.json
+  rotund golden --dir goldens a.json b.json
+  rotund golden --dir folder-of-scenes-and-references --isa all";
 
 /// Options of `golden`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// Scene files to keep pictures of, in --dir.
+pub struct Args {
+    /// Scene files to check pictures of, each by the methods that it asks for. Without any: all scene
+    /// files in the folder of the references, each by both methods.
     #[arg(requires = "dir")]
     scenes: Vec<PathBuf>,
-    /// The folder of the references of your own scenes; it is made if need be.
-    #[arg(long, requires = "scenes")]
+    /// Folder of the references; `--bless` makes it if need be.
+    #[arg(long, required = true)]
     dir: Option<PathBuf>,
-    /// Accept the pictures as they are now, and say what changed.
+    /// Accept the pictures as they are now, and print what changed.
     #[arg(long)]
     bless: bool,
-    /// Only pictures whose name has this in it.
+    /// Check only pictures whose names contain this.
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Pixels along the longer side of a picture that is accepted for the first time, or anew.
+    /// Pixels along the longer side of a picture that is accepted.
     #[arg(long, requires = "bless", default_value_t = 96)]
     #[arg(value_parser = clap::value_parser!(u32).range(16..=1024))]
     resolution: u32,
-    /// Random numbers to render with; 0 are those of the references.
+    /// Seed of the random numbers; 0 is that of the references.
     #[arg(long, default_value_t = 1, conflicts_with = "bless")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     seed: u32,
-    /// Render with this many seeds, from --seed on, and count how often each picture fails.
+    /// Check with this many seeds, from --seed on, and count how often each picture fails.
     #[arg(long, value_name = "COUNT", conflicts_with = "bless")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: Option<u32>,
-    /// Render with independent random numbers instead of Sobol points: the check must hold for any.
+    /// Render with independent random numbers instead of Sobol points; the check must accept both.
     #[arg(long, conflicts_with = "bless")]
     independent: bool,
-    /// Instruction sets to walk trees with, or `all` that this processor has; ROTUND_ISA names the
-    /// one if this does not, else it is the fastest.
+    /// Instruction sets to traverse trees with, or `all` that this processor has. Default: the one that
+    /// the environment variable ROTUND_ISA names, else the fastest.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "bless")]
     isa: Vec<String>,
-    /// Print one JSON list with an object for each picture instead of a table.
+    /// Print a JSON list with an object for each picture instead of a table.
     #[arg(long, conflicts_with_all = ["bless", "seeds"])]
     json: bool,
-    /// Where the page about pictures that differ is written.
+    /// The page to write about pictures that differ.
     #[arg(long, value_name = "FILE.html", default_value = "out/golden/report.html")]
     report: PathBuf,
 }
@@ -95,10 +93,11 @@ impl Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let folder = args.dir.clone().unwrap_or_else(|| workspace::root().join("tests/golden"));
-    let all = match &args.dir {
-        Some(folder) => cases::of_user(folder, &args.scenes)?,
-        None => cases::of_workspace(&folder)?,
+    let folder = args.dir.clone().context("golden needs --dir, the folder of the references")?;
+    let all = if args.scenes.is_empty() {
+        cases::of_workspace(&folder)?
+    } else {
+        cases::of_user(&folder, &args.scenes)?
     };
     let dead = cases::dead_references(&folder, &all)?;
     let pictures = all.len();
@@ -135,9 +134,7 @@ fn check(
     args: &Args,
     pictures: usize,
 ) -> Result<()> {
-    let mut table = Table::new(&[
-        "picture", "isa", "samples", "seconds", "light", "FLIP", "limit", "chance", "",
-    ]);
+    let mut table = Table::new(&HEADINGS);
     let bar = ProgressBar::new((isas.len() * cases.len()) as u64);
     let (mut failures, mut complaints, mut failed) = (Vec::new(), Vec::new(), 0);
     let mut objects = Vec::new();
@@ -151,7 +148,7 @@ fn check(
         };
         match examine(case, args.sequence(), isa, args.seed, pictures)? {
             Outcome::Failed(complaint) => {
-                table.row([&case.name, isa.name(), "", "", "", "", "", "", "FAILED"]);
+                table.row([&case.name, isa.name(), "", "", "", "", "", "FAILED"]);
                 objects.push(json!({
                     "picture": case.name, "isa": isa.name(), "passed": false, "complaint": complaint,
                 }));
@@ -160,17 +157,8 @@ fn check(
             }
             Outcome::Judged(judged) => {
                 let Judged { reference, actual, surface, verdict } = *judged;
-                table.row([
-                    case.name.clone(),
-                    isa.name().to_owned(),
-                    (REPLICAS * reference.samples).to_string(),
-                    format!("{:.1}", case_start.elapsed().as_secs_f64()),
-                    format!("{:+.2} %", 100.0 * verdict.energy),
-                    format!("{:.4}", verdict.flip),
-                    format!("{:.4}", verdict.flip_limit),
-                    chance(verdict.smallest_p),
-                    if verdict.findings.is_empty() { "ok" } else { "FAILED" }.to_owned(),
-                ]);
+                let seconds = case_start.elapsed().as_secs_f64();
+                table.row(row(&case.name, isa.name(), seconds, &verdict));
                 let findings = verdict.findings.iter();
                 let findings: Vec<_> = findings
                     .map(|found| json!({ "check": found.check.to_string(), "text": found.text }))
@@ -180,7 +168,7 @@ fn check(
                     "isa": isa.name(),
                     "passed": findings.is_empty(),
                     "samples": REPLICAS * reference.samples,
-                    "seconds": case_start.elapsed().as_secs_f64(),
+                    "seconds": seconds,
                     "energy": verdict.energy,
                     "flip": verdict.flip,
                     "flip_limit": verdict.flip_limit,
@@ -238,13 +226,28 @@ fn check(
     )
 }
 
-/// How likely chance alone makes something as strange as the strangest of all tests of one kind, or
-/// stranger; what is below a third of [`FALSE_ALARMS`] fails.
+const HEADINGS: [&str; 8] = ["picture", "isa", "s", "light", "FLIP", "limit", "chance", ""];
+
+fn row(name: &str, isa: &str, seconds: f64, verdict: &Verdict) -> [String; 8] {
+    [
+        name.to_owned(),
+        isa.to_owned(),
+        format!("{seconds:.1}"),
+        format!("{:+.2} %", 100.0 * verdict.energy),
+        format!("{:.4}", verdict.flip),
+        format!("{:.4}", verdict.flip_limit),
+        chance(verdict.smallest_p),
+        if verdict.findings.is_empty() { "ok" } else { "FAILED" }.to_owned(),
+    ]
+}
+
+/// Writes the smallest p-value of all tests of one kind. A check fails if it is below a third of
+/// [`FALSE_ALARMS`].
 fn chance(verdict_p: f64) -> String {
     if verdict_p >= 0.1 { format!("{verdict_p:.1}") } else { format!("{verdict_p:.0e}") }
 }
 
-/// Renders every picture with many seeds: how often does the check fail though nothing changed?
+/// Checks every picture with many seeds and counts the false alarms.
 fn count_failures(
     cases: &[Case],
     args: &Args,
@@ -252,7 +255,7 @@ fn count_failures(
     seeds: u32,
     pictures: usize,
 ) -> Result<()> {
-    let mut table = Table::new(&["picture", "runs", "failed", "light, sigma", "least chance"]);
+    let mut table = Table::new(&["picture", "runs", "failed", "light, sigma", "smallest chance"]);
     let bar = ProgressBar::new(cases.len() as u64 * u64::from(seeds));
     let mut failed_runs = vec![false; seeds as usize];
     let mut texts = Vec::new();
@@ -298,7 +301,7 @@ fn count_failures(
     ))
 }
 
-/// Makes references, says what changed and removes dead ones.
+/// Renders the references anew, prints what changed and removes dead ones.
 fn accept(
     cases: &[Case],
     dead: &[PathBuf],
@@ -311,7 +314,7 @@ fn accept(
     let mut refused = 0;
     for case in cases {
         let name = &case.name;
-        // A file that cannot be read is as good as none.
+        // A reference that cannot be read is replaced as if there were none.
         let old = Reference::read(&case.reference).ok();
         match bless(case, old.as_ref(), resolution, pictures) {
             Ok(Blessed::Unchanged) => say(format!("{name}: unchanged"))?,

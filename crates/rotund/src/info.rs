@@ -1,28 +1,30 @@
-//! `info <scene>`: what a scene holds, and what it costs to hold it.
+//! `info <scene>`: the content of a scene and its cost in memory.
 //!
-//! Loads the scene, reads its files once more for comparison, and builds the trees. Reading comes second,
-//! when the system has the files at hand, so the ratio is not flattered by a cold disk.
+//! Loads the scene, reads its files once more for comparison, and builds the trees. The comparison comes
+//! second, when the files are in the cache of the system, so that the ratio does not profit from a cold
+//! disk.
 
 use crate::scene_source::{LoadArgs, load_silently};
 use anyhow::{Context, Result};
 use rotund_geometry::{Aabb, glam::Vec3};
 use rotund_report::console::{Table, say};
-use rotund_scene::{ElementKind, Loaded, Material, Method, Scene, Shape, Trees};
+use rotund_scene::{ElementKind, Loaded, Material, Scene, Shape, Trees};
 use std::fs::{self, File};
 use std::io::Read as _;
+use std::path::PathBuf;
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask info shapes4
-  cargo xtask info path/to/scene.json
-  cargo xtask info cloud.ply --radius 0.01";
+  rotund info shapes4
+  rotund info path/to/scene.json
+  rotund info cloud.ply --radius 0.01";
 
 /// Options of `info`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
+pub struct Args {
+    /// The name of a built-in scene, or the path of a JSON, PLY or OBJ file.
     scene: String,
     #[command(flatten)]
     loading: LoadArgs,
@@ -36,7 +38,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let peak = memory("VmHWM:").zip(before).map(|(peak, before)| peak.saturating_sub(before));
     let scene = &loaded.scene;
     say(format!(
-        "{name}: {} cameras, {} environments, {} textures, {} materials, {} shapes, {} instances",
+        "{name}: {} cameras, {} environments, {} textures,\n{} materials, {} shapes, {} instances",
         scene.cameras.len(),
         scene.environments.len(),
         scene.textures.len(),
@@ -44,13 +46,17 @@ pub(crate) fn run(args: Args) -> Result<()> {
         scene.shapes.len(),
         scene.instances.len()
     ))?;
-    say_costs(&loaded, load_seconds, peak)?;
+    say(format!("\n{}", costs(&loaded, load_seconds, peak)?))?;
     say(format!("\n{}", cameras(scene)))?;
     say(format!("\n{}", materials(scene)))?;
+    if let Some(table) = textures(scene) {
+        say(format!("\n{table}"))?;
+    }
     let start = Instant::now();
     let trees = Trees::build(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
     say(format!("\n{}", shapes(scene, &trees)))?;
+    say(format!("\n{}", bounds(scene)))?;
     say(format!("\ntrees built in {build_seconds:.2} s"))?;
     for warning in &loaded.warnings {
         say(format!("warning: {warning}"))?;
@@ -62,12 +68,35 @@ pub(crate) fn run(args: Args) -> Result<()> {
     })
 }
 
-/// Time and memory of loading, beside the files themselves.
-fn say_costs(loaded: &Loaded, load_seconds: f64, peak: Option<u64>) -> Result<()> {
+/// Returns time and memory of loading, beside those of reading the files alone.
+fn costs(loaded: &Loaded, load_seconds: f64, peak: Option<u64>) -> Result<Table> {
+    let shapes: usize = loaded.scene.shapes.iter().map(Shape::bytes).sum();
+    let mut costs = Table::new(&["", "seconds", "MB"]);
+    let megabytes = |bytes: u64| format!("{:.2}", bytes as f64 / 1e6);
+    if !loaded.files.is_empty() {
+        let [(piece_seconds, size), (whole_seconds, _)] =
+            [read_in_pieces(&loaded.files)?, read_whole(&loaded.files)?];
+        let files = match loaded.files.len() {
+            1 => "1 file read".to_owned(),
+            count => format!("{count} files read"),
+        };
+        let seconds = |seconds: f64| format!("{seconds:.3}");
+        costs.row([format!("{files}, piece by piece"), seconds(piece_seconds), String::new()]);
+        costs.row([format!("{files} into memory"), seconds(whole_seconds), megabytes(size)]);
+    }
+    let peak = peak.map_or("unknown".to_owned(), megabytes);
+    let load_seconds = format!("{load_seconds:.3}");
+    costs.row(["scene loaded, with peak memory".to_owned(), load_seconds, peak]);
+    costs.row(["shapes after loading".to_owned(), String::new(), megabytes(shapes as u64)]);
+    Ok(costs)
+}
+
+/// Reads files through one small buffer; returns seconds and bytes.
+fn read_in_pieces(files: &[PathBuf]) -> Result<(f64, u64)> {
     let start = Instant::now();
     let mut size = 0_u64;
     let mut buffer = vec![0; 1 << 20];
-    for path in &loaded.files {
+    for path in files {
         let mut file =
             File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         loop {
@@ -77,33 +106,22 @@ fn say_costs(loaded: &Loaded, load_seconds: f64, peak: Option<u64>) -> Result<()
             }
         }
     }
-    let read_seconds = start.elapsed().as_secs_f64();
-    // New memory costs more than the copy; whoever keeps what is in a file pays for it.
-    let start = Instant::now();
-    for path in &loaded.files {
-        fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    }
-    let keep_seconds = start.elapsed().as_secs_f64();
-    let shapes: usize = loaded.scene.shapes.iter().map(Shape::bytes).sum();
-    let mut costs = Table::new(&["", "seconds", "MB"]);
-    let megabytes = |bytes: u64| format!("{:.2}", bytes as f64 / 1e6);
-    let files = match loaded.files.len() {
-        1 => "1 file read".to_owned(),
-        count => format!("{count} files read"),
-    };
-    costs.row([format!("{files}, piece by piece"), format!("{read_seconds:.3}"), String::new()]);
-    costs.row([format!("{files} into memory"), format!("{keep_seconds:.3}"), megabytes(size)]);
-    let peak = peak.map_or("unknown".to_owned(), megabytes);
-    costs.row([
-        "scene loaded, with the most memory in use".to_owned(),
-        format!("{load_seconds:.3}"),
-        peak,
-    ]);
-    costs.row(["shapes, as they stay".to_owned(), String::new(), megabytes(shapes as u64)]);
-    say(format!("\n{costs}"))
+    Ok((start.elapsed().as_secs_f64(), size))
 }
 
-/// Bytes of memory of this process by a line of Linux's account; `None` elsewhere.
+/// Reads files each into new memory, which takes longer than the copy: a loader that keeps the data pays
+/// for it too. Returns seconds and bytes.
+fn read_whole(files: &[PathBuf]) -> Result<(f64, u64)> {
+    let start = Instant::now();
+    let mut size = 0;
+    for path in files {
+        let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        size += bytes.len() as u64;
+    }
+    Ok((start.elapsed().as_secs_f64(), size))
+}
+
+/// Returns bytes of memory of this process by a line of `/proc/self/status`; `None` where there is none.
 fn memory(line: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let kilobytes = status.lines().find_map(|text| text.strip_prefix(line))?;
@@ -114,31 +132,42 @@ fn cameras(scene: &Scene) -> Table {
     let mut table = Table::new(&["camera", "kind", "width / height", "aperture"]);
     for camera in &scene.cameras {
         let kind = if camera.orthographic { "orthographic" } else { "perspective" };
-        let [aspect, aperture] =
-            [camera.aspect, camera.aperture].map(|value| format!("{value:.3}"));
+        let [aspect, aperture] = [camera.aspect, camera.aperture].map(number);
         table.row([camera.name.clone(), kind.to_owned(), aspect, aperture]);
     }
     table
 }
 
 fn materials(scene: &Scene) -> Table {
-    let mut table =
-        Table::new(&["material", "kind", "color", "emission", "roughness", "opacity", "textures"]);
+    let mut table = Table::new(&["material", "kind", "color", "emission", "roughness", "opacity"]);
     for material in &scene.materials {
         table.row([
             material.name.clone(),
             format!("{:?}", material.kind).to_lowercase(),
             numbers(material.color),
             numbers(material.emission),
-            material.roughness.to_string(),
-            material.opacity.to_string(),
-            textures(material),
+            number(material.roughness),
+            number(material.opacity),
         ]);
     }
     table
 }
 
-fn textures(material: &Material) -> String {
+/// Returns the materials that have textures, or `None` if there are none.
+fn textures(scene: &Scene) -> Option<Table> {
+    let mut table = Table::new(&["material", "textures"]);
+    let mut any = false;
+    for material in &scene.materials {
+        let names = textures_of(material);
+        if !names.is_empty() {
+            table.row([material.name.clone(), names]);
+            any = true;
+        }
+    }
+    any.then_some(table)
+}
+
+fn textures_of(material: &Material) -> String {
     let all = [
         (material.color_tex, "color"),
         (material.emission_tex, "emission"),
@@ -152,15 +181,13 @@ fn textures(material: &Material) -> String {
 
 fn shapes(scene: &Scene, trees: &Trees) -> Table {
     let mut table = Table::new(&[
-        "shape", "kind", "method", "elements", "vertices", "placed", "B each", "of tree", "from",
-        "to",
+        "shape", "kind", "method", "elements", "vertices", "placed", "B each", "of tree",
     ]);
     let mut placed = vec![0_usize; scene.shapes.len()];
     scene.instances.iter().for_each(|instance| placed[instance.shape as usize] += 1);
     for ((shape, tree), placed) in scene.shapes.iter().zip(trees.statistics()).zip(placed) {
         let each =
             |bytes: usize| format!("{:.1}", bytes as f64 / shape.elements.count().max(1) as f64);
-        let bounds = Aabb::from_points(shape.positions.iter().copied());
         table.row([
             shape.name.clone(),
             kind(shape).to_owned(),
@@ -170,15 +197,41 @@ fn shapes(scene: &Scene, trees: &Trees) -> Table {
             placed.to_string(),
             each(shape.bytes()),
             each(tree.bytes),
-            numbers(bounds.min),
-            numbers(bounds.max),
         ]);
     }
     table
 }
 
+/// Returns the bounds of the vertices of each shape, before it is placed.
+fn bounds(scene: &Scene) -> Table {
+    let mut table = Table::new(&["shape", "from x y z", "to x y z"]);
+    for shape in &scene.shapes {
+        let bounds = Aabb::from_points(shape.positions.iter().copied());
+        table.row([shape.name.clone(), numbers(bounds.min), numbers(bounds.max)]);
+    }
+    table
+}
+
+/// Writes a number with four significant digits, in at most 9 characters.
+fn number(value: f32) -> String {
+    let size = value.abs();
+    if size == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    if !(1e-3..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = (3 - size.log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
 fn numbers(vector: Vec3) -> String {
-    vector.to_array().map(|number| format!("{}", (number * 1e4).round() / 1e4)).join(" ")
+    vector.to_array().map(number).join(" ")
 }
 
 fn kind(shape: &Shape) -> &'static str {
@@ -191,9 +244,85 @@ fn kind(shape: &Shape) -> &'static str {
 }
 
 fn method(shape: &Shape) -> &'static str {
-    match (shape.elements.kind(), shape.method) {
-        (ElementKind::Triangles, _) => "",
-        (_, Method::Vanilla) => "vanilla",
-        (_, Method::Enhanced) => "enhanced",
+    match shape.elements.kind() {
+        ElementKind::Triangles => "",
+        _ => shape.method.name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rotund_scene::{Camera, Elements, Instance};
+
+    #[test]
+    fn numbers_are_short_and_have_four_digits() {
+        let table = [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-0.25, "-0.25"),
+            (0.123_456, "0.1235"),
+            (0.001_234_5, "0.001234"),
+            (-99_999.4, "-99999"),
+            (1234.56, "1235"),
+            (100.0, "100"),
+            (2e6, "2.00e6"),
+            (-1.5e-9, "-1.50e-9"),
+            (f32::NAN, "NaN"),
+            (f32::NEG_INFINITY, "-inf"),
+        ];
+        for (value, text) in table {
+            assert_eq!(number(value), text);
+            assert!(text.len() <= 9, "{text}");
+        }
+    }
+
+    #[test]
+    fn every_table_fits_in_80_columns() {
+        let long = "a-very-long-name-of-something-in-a-scene-".repeat(3);
+        let wide = Vec3::splat(-1.234_567e-12);
+        let camera = Camera { name: long.clone(), ..Camera::default() };
+        let material = Material {
+            name: long.clone(),
+            color: wide,
+            emission: wide,
+            color_tex: Some(0),
+            emission_tex: Some(0),
+            roughness_tex: Some(0),
+            scattering_tex: Some(0),
+            normal_tex: Some(0),
+            ..Material::default()
+        };
+        let shape = Shape {
+            name: long,
+            elements: Elements::Points(100_000),
+            positions: vec![wide; 100_000],
+            radii: vec![1.0; 100_000],
+            ..Shape::default()
+        };
+        let instance = Instance::default();
+        let scene = Scene {
+            cameras: vec![camera],
+            materials: vec![material],
+            shapes: vec![shape],
+            instances: vec![instance; 1000],
+            ..Scene::default()
+        };
+        let loaded = Loaded { scene, ..Loaded::default() };
+        let scene = &loaded.scene;
+        let trees = Trees::build(scene).expect("a valid scene");
+        let tables = [
+            costs(&loaded, 12_345.678, Some(123_456_789_012)).expect("no file to read"),
+            cameras(scene),
+            materials(scene),
+            textures(scene).expect("there are textures"),
+            shapes(scene, &trees),
+            bounds(scene),
+        ];
+        for table in tables {
+            for line in table.to_string().lines() {
+                assert!(line.chars().count() <= 80, "{line}");
+            }
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Which kinds of elements are traced exactly: the switch between vanilla and enhanced.
+//! The kinds of elements that the enhanced picture traces exactly.
 
 use rotund_scene::{ElementKind, Method, Scene};
 
@@ -13,41 +13,49 @@ pub enum Kind {
     Quads,
 }
 
-/// Options to choose among them.
+/// Options that choose kinds.
 #[derive(Clone, Debug, clap::Args)]
 pub struct KindArgs {
-    /// Which kinds of elements are exact in the enhanced picture; the others stay vanilla.
+    /// Kinds of elements that are traced exactly in the enhanced picture; the others stay vanilla.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "points,lines,quads")]
     kinds: Vec<Kind>,
 }
 
 impl KindArgs {
-    /// The kinds, each once and in order.
+    /// Returns the kinds, each once and in order.
     pub fn kinds(&self) -> Vec<Kind> {
-        let all = [Kind::Points, Kind::Lines, Kind::Quads];
-        all.into_iter().filter(|kind| self.kinds.contains(kind)).collect()
+        Kind::ALL.into_iter().filter(|kind| self.kinds.contains(kind)).collect()
     }
 }
 
 impl Kind {
-    pub fn name(self) -> &'static str {
+    const ALL: [Self; 3] = [Self::Points, Self::Lines, Self::Quads];
+
+    /// Returns the name on the command line.
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Points => "points",
             Self::Lines => "lines",
             Self::Quads => "quads",
         }
     }
+
+    fn element_kind(self) -> ElementKind {
+        match self {
+            Self::Points => ElementKind::Points,
+            Self::Lines => ElementKind::Lines,
+            Self::Quads => ElementKind::Quads,
+        }
+    }
 }
 
 /// Makes the shapes of these kinds enhanced and all others vanilla.
 pub fn enhance(scene: &mut Scene, kinds: &[Kind]) {
-    for shape in &mut scene.shapes {
-        let enhanced = match shape.elements.kind() {
-            ElementKind::Points => kinds.contains(&Kind::Points),
-            ElementKind::Lines => kinds.contains(&Kind::Lines),
-            ElementKind::Quads => kinds.contains(&Kind::Quads),
-            ElementKind::Triangles => false,
-        };
-        shape.method = if enhanced { Method::Enhanced } else { Method::Vanilla };
+    // Triangles look the same by both; one value makes the labels of equal films equal.
+    scene.set_method(ElementKind::Triangles, Method::Vanilla);
+    for kind in Kind::ALL {
+        let enhanced = kinds.contains(&kind);
+        let method = if enhanced { Method::Enhanced } else { Method::Vanilla };
+        scene.set_method(kind.element_kind(), method);
     }
 }

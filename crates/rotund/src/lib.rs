@@ -1,102 +1,112 @@
-//! The commands of the Rotund workspace: `cargo xtask --help` lists them.
+//! The inside of the program `rotund`: its command line, for `main.rs`, tests and the workspace's own
+//! tasks.
 //!
-//! Each command is a module with a clap `Args` and a `run(Args) -> anyhow::Result<()>`; this file
-//! only parses and dispatches. Commands compose functions of the crates and print; no formula of
-//! intersection or shading lives here.
+//! This is no library to build on: the crates below it are, from `rotund-geometry` to `rotund-golden`.
+//! Each command is a module with a clap `Args` and a function `run`; this file parses and dispatches.
+//! Commands compose functions of the other crates and print; no formula of intersection or shading lives
+//! here.
 //!
 //! # Exit codes
 //!
 //! | code | meaning |
 //! | --- | --- |
-//! | 0 | done |
+//! | 0 | the command succeeded |
 //! | 1 | the command failed; standard error has one line, `error: ...` |
 //! | 2 | the command line was not understood; standard error says what was expected |
-//! | 130 | interrupted by Ctrl-C; standard error says what was written |
+//! | 130 | Ctrl-C interrupted the command; standard error says what was written |
 //!
-//! A reader that closes standard output early (`cargo xtask ... | head`) is not an error.
+//! A reader that closes standard output early (`rotund info shapes4 | head -1`) is not an error.
 
 #![expect(clippy::print_stderr, reason = "this crate is the one that talks to people")]
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 
-pub mod cancel;
+mod built_in;
+mod cancel;
 mod checkpoint;
+mod choice;
 mod compare;
 mod completions;
 mod diff;
 mod golden;
 mod info;
-pub mod kinds;
+mod kinds;
 mod merge;
+mod message;
 mod noise;
-pub mod output;
+mod output;
 mod progress;
 mod render;
-pub mod scene_source;
-pub mod shot;
-pub mod workspace;
+mod scene_source;
+mod shot;
 
-const EXIT_CODES: &str = "\
+pub use cancel::Cancelled;
+pub use kinds::enhance;
+pub use output::{prepare_folder, write_text};
+pub use scene_source::{LoadArgs, NamedScene, load};
+pub use shot::{PictureArgs, Shot, take};
+
+/// The exit codes, for the help of a program that reports by [`report`].
+pub const EXIT_CODES: &str = "\
 Exit codes:
-  0    done
+  0    the command succeeded
   1    the command failed; standard error says why in one line
   2    the command line was not understood
-  130  interrupted by Ctrl-C; standard error says what was written
+  130  Ctrl-C interrupted the command; standard error says what was written
 
+Colours and progress bars are for terminals only; NO_COLOR turns colours off.";
+
+const EXAMPLES: &str = "\
 Examples:
-  cargo xtask compare shapes4
-  cargo xtask compare --all --samples 16
-  cargo xtask render shapes4 --mode vanilla --out vanilla.png
-  cargo xtask diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
-  cargo xtask golden
-  cargo xtask COMMAND --help
+  rotund compare shapes4
+  rotund compare --all --samples 16
+  rotund render shapes4 --mode vanilla --out vanilla.png
+  rotund render cloud.ply --radius 0.01 --out cloud.png
+  rotund diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
+  rotund COMMAND --help";
 
-Colours and progress bars are for terminals only; NO_COLOR turns colours off there too.";
-
-/// Points as spheres, lines as rounded cones, quads as bilinear patches: render, compare, measure.
+/// Render points as spheres, lines as rounded cones and quads as bilinear patches, exactly and by the
+/// usual approximations, and compare the pictures.
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version, after_help = EXIT_CODES)]
-#[command(args_override_self = true)]
+#[command(name = "rotund", bin_name = "rotund", version, args_override_self = true)]
+#[command(after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
 }
 
+/// A command of the program with its arguments.
 #[derive(Debug, Subcommand)]
-enum Command {
-    /// Render a scene vanilla and enhanced, and show what changed.
+pub enum Command {
+    /// Render a scene by both methods, vanilla and enhanced, and show what changed.
     Compare(compare::Args),
     /// Render one picture of a scene.
     Render(render::Args),
-    /// Make one picture of the shards of a render.
+    /// Merge the shards of a render into one picture.
     Merge(merge::Args),
-    /// Say in numbers how far two images are apart.
+    /// Measure the difference of two images.
     Diff(diff::Args),
-    /// Plot how noise falls with time, for both samplers.
+    /// Plot noise against render time for both samplers.
     Noise(noise::Args),
-    /// List what a scene holds.
+    /// List the content of a scene and its cost in memory.
     Info(info::Args),
-    /// Check that the golden pictures look as they did.
+    /// Check small pictures against stored references by statistical tests.
     Golden(golden::Args),
-    /// Print what a shell needs to complete commands.
+    /// Print the completion script of a shell.
     Completions(completions::Args),
 }
 
-impl Cli {
-    /// Without a command, says which there are.
-    fn run(self) -> anyhow::Result<()> {
-        match self.command {
-            Some(command) => command.run(),
-            None => Ok(Self::command().print_help()?),
-        }
-    }
-}
-
 impl Command {
-    fn run(self) -> anyhow::Result<()> {
+    /// Runs the command. `program` is the command line that it was parsed by, for which `completions`
+    /// writes a script.
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason why the command failed, for [`report`].
+    pub fn run(self, program: clap::Command) -> anyhow::Result<()> {
         match self {
             Self::Compare(args) => compare::run(args),
             Self::Render(args) => render::run(args),
@@ -105,55 +115,103 @@ impl Command {
             Self::Noise(args) => noise::run(args),
             Self::Info(args) => info::run(args),
             Self::Golden(args) => golden::run(args),
-            Self::Completions(args) => completions::run(&args),
+            Self::Completions(args) => completions::run(&args, program),
         }
     }
 }
 
-/// The names of all commands, each with what it does.
+/// Rewrites the examples in the help of all commands for a program that is called otherwise than
+/// `rotund`, such as `cargo xtask`.
 #[must_use]
-pub fn commands() -> Vec<(String, String)> {
-    let about = |command: &clap::Command| {
-        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-        (command.get_name().to_owned(), about)
-    };
-    Cli::command().get_subcommands().map(about).collect()
+pub fn with_examples_of(invocation: &str, program: clap::Command) -> clap::Command {
+    program.mut_subcommands(|command| {
+        let Some(help) = command.get_after_help().map(ToString::to_string) else { return command };
+        command.after_help(help.replace("rotund ", &format!("{invocation} ")))
+    })
 }
 
-/// Parses `arguments` (the first names the program), runs the command, reports failure on
-/// standard error and returns the exit code.
+/// Parses `arguments` (the first names the program), runs the command, reports failure on standard error
+/// and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
     report(run(arguments))
-}
-
-/// The exit code of a command that ended like this; a failure is printed on standard error.
-pub fn report(result: anyhow::Result<()>) -> ExitCode {
-    let Err(error) = result else { return ExitCode::SUCCESS };
-    if let Some(error) = error.downcast_ref::<clap::Error>() {
-        // If even this cannot be printed there is nobody left to tell.
-        let _ = error.print();
-        return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
-    }
-    if is_broken_pipe(&error) {
-        return ExitCode::SUCCESS;
-    }
-    eprintln!("error: {error:#}");
-    let interrupted = error.is::<cancel::Cancelled>();
-    if interrupted { ExitCode::from(cancel::EXIT_CODE) } else { ExitCode::FAILURE }
 }
 
 /// Runs a command as [`main`] does, but returns the error instead of printing it.
 ///
 /// # Errors
 ///
-/// What the command line or the command itself complains about.
+/// Returns a [`clap::Error`] if the command line is wrong, and else the reason why the command failed.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> anyhow::Result<()> {
-    Cli::try_parse_from(arguments)?.run()
+    let mut program = Cli::command();
+    let matches = program.try_get_matches_from_mut(arguments)?;
+    match Cli::from_arg_matches(&matches)?.command {
+        Some(command) => command.run(program),
+        None => Ok(program.print_help()?),
+    }
 }
 
-/// Whether all that went wrong is that nobody reads standard output any more.
+/// Prints a failure on standard error and returns the exit code of the result.
+pub fn report(result: anyhow::Result<()>) -> ExitCode {
+    let Err(error) = result else { return ExitCode::SUCCESS };
+    if let Some(error) = error.downcast_ref::<clap::Error>() {
+        // If standard error is closed, nobody can be told.
+        let _ = error.print();
+        return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+    }
+    if is_broken_pipe(&error) {
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("error: {}", message::one_line(&error));
+    let interrupted = error.is::<Cancelled>();
+    if interrupted { ExitCode::from(cancel::EXIT_CODE) } else { ExitCode::FAILURE }
+}
+
+/// Returns true if the only failure is that nobody reads standard output any more.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cli, with_examples_of};
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn help_fits_in_80_columns() {
+        for program in [Cli::command(), with_examples_of("cargo xtask", Cli::command())] {
+            let mut program = program.term_width(80);
+            program.build();
+            let texts = program
+                .get_subcommands()
+                .map(|command| (command.get_name().to_owned(), command.clone().render_long_help()))
+                .chain([("the program".to_owned(), program.clone().render_long_help())]);
+            for (name, text) in texts {
+                for line in text.to_string().lines() {
+                    assert!(line.chars().count() <= 80, "{name}: {line:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn examples_are_one_line_each_and_name_the_program() {
+        for (invocation, other) in [("rotund", "cargo"), ("cargo xtask", "rotund ")] {
+            let program = with_examples_of(invocation, Cli::command());
+            for command in program.get_subcommands() {
+                let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+                let example = format!("{invocation} {}", command.get_name());
+                assert!(help.contains(&example) && !help.contains(other), "{help}");
+                for line in help.lines() {
+                    assert!(line.chars().count() <= 80, "wrapped in 80 columns: {line}");
+                }
+            }
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The program `rotund`; everything is in the library so that tests and `xtask` can call it.
+//! The program `rotund`. Its commands are in the library, so that tests and `xtask` can call them.
 
 use std::process::ExitCode;
 

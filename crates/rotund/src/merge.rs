@@ -11,15 +11,15 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   for i in 1 2 3 4; do
-    cargo xtask render shapes4 --shard $i/4 --checkpoint shard-$i.film --resume
+    rotund render shapes4 --shard $i/4 --checkpoint $i.film --resume
   done
-  cargo xtask merge shard-*.film --out shapes4.exr";
+  rotund merge 1.film 2.film 3.film 4.film --out shapes4.exr";
 
 /// Options of `merge`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// The checkpoints of all shards, finished, in any order.
+pub struct Args {
+    /// The finished checkpoints of all shards, in any order.
     #[arg(required = true, value_name = "CHECKPOINT")]
     films: Vec<PathBuf>,
     /// The image to write: png (sRGB), exr or hdr (linear).
@@ -31,9 +31,9 @@ pub(crate) fn run(args: Args) -> Result<()> {
     check_image_file(&args.out)?;
     let films: Vec<Film> = args.films.iter().map(output::load_film).collect::<Result<_, _>>()?;
     let film = Film::merge(&films).map_err(|error| match error {
-        // Whoever renders many shards knows them by their files.
+        // The user knows a shard by its file, not by its number.
         MergeError::Different { number } => anyhow!(
-            "{} is of another picture than {}: of {}, not of {}",
+            "{} belongs to another picture than {}: to {}, not to {}",
             args.films[number - 1].display(),
             args.films[0].display(),
             describe(&films[number - 1]),

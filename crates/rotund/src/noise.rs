@@ -1,50 +1,48 @@
-//! `noise <scene> --reference FILE`: how noise falls with time, for both samplers.
+//! `noise <scene> --reference FILE`: noise against render time, for both samplers.
 //!
 //! Noise is `mean((a - b)² / (b² + 0.01))` against the reference, without the worst 0.1 % of the pixels.
-//! That of plain Monte Carlo falls as one over the time, so seconds times noise is a figure of merit
-//! that does not depend on the number of samples. The reference's own noise is part of what is
-//! measured: it should have many more samples.
+//! With plain Monte Carlo it falls as one over the time, so seconds times noise is a figure of merit
+//! that does not depend on the number of samples. The measurement includes the noise of the reference,
+//! which therefore should have many more samples.
 
 use crate::cancel::Cancelled;
 use crate::kinds::enhance;
 use crate::output::{check_file, write_text};
 use crate::shot::{PictureArgs, take_on};
 use anyhow::{Result, bail};
-use rotund_image::Picture;
-use rotund_image::metrics::noise;
+use rotund_image::{Image, trimmed_relative_error};
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
-use rotund_scene::Trees;
 use rotund_trace::{Film, Options, Sequence, World};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask render shapes4 --samples 4096 --seed 1 --out reference.exr
-  cargo xtask noise shapes4 --reference reference.exr --samples 256
-  cargo xtask noise path/to/scene.json --reference other.exr --kinds '' --out noise.html";
+  rotund render shapes4 --samples 4096 --seed 1 --out reference.exr
+  rotund noise shapes4 --reference reference.exr --samples 256
+  rotund noise path/to/scene.json --reference other.exr --vanilla";
 
 /// Options of `noise`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
+pub struct Args {
+    /// The name of a built-in scene, or the path of a JSON, PLY or OBJ file.
     scene: String,
-    /// What the picture should be: exr or hdr, of the size that is rendered.
+    /// The converged picture: exr or hdr, of the size that is rendered.
     #[arg(long, value_name = "FILE.{exr,hdr}")]
     reference: PathBuf,
-    /// Trace all shapes the usual approximate way.
+    /// Trace all shapes by the usual approximations.
     #[arg(long)]
     vanilla: bool,
-    /// The page with the plot.
+    /// The page to write, with the plot.
     #[arg(long, value_name = "FILE.html", default_value = "noise.html")]
     out: PathBuf,
     #[command(flatten)]
     picture: PictureArgs,
 }
 
-/// After so many samples and seconds.
+/// Noise after so many samples and seconds.
 struct Reading {
     samples: u32,
     seconds: f64,
@@ -53,9 +51,9 @@ struct Reading {
 
 pub(crate) fn run(args: Args) -> Result<()> {
     check_file(&args.out)?;
-    let reference = Picture::read(&args.reference)?;
+    let reference = Image::read(&args.reference)?;
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
-    let size = (options.width as usize, options.height as usize);
+    let size = (options.width, options.height);
     if size != (reference.width, reference.height) {
         bail!(
             "{} is {} x {}, the picture {} x {}",
@@ -76,16 +74,19 @@ pub(crate) fn run(args: Args) -> Result<()> {
         let options = Options { sequence, ..options.clone() };
         let mut readings: Vec<Reading> = Vec::new();
         let (start, mut reading_time) = (Instant::now(), Duration::ZERO);
+        // The sizes agree; a film without a finite pixel has no error that could be drawn.
+        let noise =
+            |film: &Film| trimmed_relative_error(&film.image(), &reference).unwrap_or(f64::NAN);
         let mut read = |film: &Film| {
             let now = start.elapsed();
-            // As evenly on a logarithmic axis as passes allow. The number of samples of a film rises at
-            // the end of a pass, when all pixels have as many.
+            // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number of
+            // samples of a film rises at the end of a pass, when all pixels have as many.
             let due = readings.last().map_or(1, |last| 2 * last.samples).min(options.samples);
             if film.samples() >= due {
                 readings.push(Reading {
                     samples: film.samples(),
                     seconds: (now - reading_time).as_secs_f64(),
-                    noise: noise(&Picture::from(&film.image()), &reference),
+                    noise: noise(film),
                 });
             }
             reading_time += start.elapsed() - now;

@@ -1,10 +1,14 @@
-//! Where results go: checked before the work, written so that no half of a file can be seen.
+//! Output files: checked before a long render, and written so that nobody sees half of one.
 
 use anyhow::{Context, Result, bail};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Makes sure that files can be made in `folder`, which is created if need be.
+/// Creates `folder` if need be, and makes sure that files can be made in it.
+///
+/// # Errors
+///
+/// If the folder cannot be made or written to.
 pub fn prepare_folder(folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
@@ -12,7 +16,7 @@ pub fn prepare_folder(folder: &Path) -> Result<()> {
 }
 
 /// Makes sure that an image file can be made under this name.
-pub fn check_image_file(path: &Path) -> Result<()> {
+pub(crate) fn check_image_file(path: &Path) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
     if !["png", "exr", "hdr"].contains(&extension.as_str()) {
         bail!("cannot write {}: an image is named *.png, *.exr or *.hdr", path.display());
@@ -21,7 +25,7 @@ pub fn check_image_file(path: &Path) -> Result<()> {
 }
 
 /// Makes sure that a file can be made under this name.
-pub fn check_file(path: &Path) -> Result<()> {
+pub(crate) fn check_file(path: &Path) -> Result<()> {
     if path.is_dir() {
         bail!("cannot write {}: it is a folder", path.display());
     }
@@ -33,7 +37,7 @@ pub fn check_file(path: &Path) -> Result<()> {
 
 fn check_writable(folder: &Path) -> Result<()> {
     let file = tempfile::Builder::new().prefix(".rotund-").tempfile_in(folder);
-    // The error of the operating system, without the random name of the file.
+    // The message has the error of the operating system alone: tempfile would add the random name.
     if let Err(error) = file {
         let reason = std::io::Error::from(error.kind());
         bail!("cannot write to the folder {}: {reason}", folder.display());
@@ -42,6 +46,10 @@ fn check_writable(folder: &Path) -> Result<()> {
 }
 
 /// Writes a file of text.
+///
+/// # Errors
+///
+/// If the file cannot be written; one that exists is unchanged then.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     rotund_trace::output::write_with(path, |file| file.write_all(text.as_bytes()))?;
     Ok(())

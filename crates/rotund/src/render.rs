@@ -2,63 +2,65 @@
 
 use crate::cancel::Cancelled;
 use crate::checkpoint::{self, Checkpoint, CheckpointArgs};
+use crate::choice;
 use crate::kinds::enhance;
 use crate::output::check_image_file;
 use crate::progress::rays_per_second;
 use crate::shot::{PictureArgs, odd_samples, take_on};
 use anyhow::{Result, bail};
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use rotund_geometry::Method;
 use rotund_report::console::say;
 use rotund_trace::{Film, Options, View, World, output};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask render shapes4 --out shapes4.png
-  cargo xtask render shapes4 --mode vanilla --out vanilla.exr --samples 256
-  cargo xtask render path/to/scene.json --kinds points,lines --camera front --out exact.hdr
-  cargo xtask render shapes4 --samples 4096 --checkpoint shapes4.film --resume --out shapes4.exr
-  cargo xtask render shapes4 --samples 4096 --checkpoint part-2.film --resume --shard 2/8
-  cargo xtask render shapes4 --view shading-normal --samples 4 --out normals.png
-  cargo xtask render shapes4 --layers --out shapes4.exr";
+  rotund render shapes4 --out shapes4.png
+  rotund render cloud.ply --radius 0.01 --out cloud.png
+  rotund render shapes4 --mode vanilla --out vanilla.exr --samples 256
+  rotund render scene.json --kinds lines --camera front --out lines.hdr
+  rotund render shapes4 --checkpoint a.film --resume --out shapes4.exr
+  rotund render shapes4 --checkpoint 2.film --resume --shard 2/8
+  rotund render shapes4 --view shading-normal --samples 4 --out normals.png
+  rotund render shapes4 --layers --out shapes4.exr";
 
-/// How all shapes of a scene are traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Mode {
-    /// The usual approximations.
-    Vanilla,
-    /// The exact shapes, for the kinds of `--kinds`.
-    Enhanced,
+/// The names of the methods, each with a line of help.
+fn methods() -> [(&'static str, &'static str); 2] {
+    Method::ALL.map(|method| {
+        let help = match method {
+            Method::Vanilla => "The usual approximations",
+            Method::Enhanced => "The exact shapes, for the kinds of --kinds",
+        };
+        (method.name(), help)
+    })
 }
 
-/// The parser of `--view`, with a line of help for each view.
-fn view_parser() -> impl TypedValueParser<Value = View> {
-    let value = |view: View| PossibleValue::new(view.name()).help(view.description());
-    PossibleValuesParser::new(View::ALL.map(value)).try_map(|name| name.parse::<View>())
+/// The names of the views, each with a line of help.
+fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
+    View::ALL.into_iter().map(|view| (view.name(), view.description()))
 }
 
 /// Options of `render`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
+pub struct Args {
+    /// The name of a built-in scene, or the path of a JSON, PLY or OBJ file.
     scene: String,
     /// The image to write: png (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,exr,hdr}", required_unless_present = "checkpoint")]
     out: Option<PathBuf>,
-    /// What the picture shows.
-    #[arg(long, value_parser = view_parser(), default_value = "path")]
+    /// The quantity that the picture shows.
+    #[arg(long, value_parser = choice::parser::<View>(views()), default_value = "path")]
     view: View,
-    /// Hide the environment from the camera: the background is transparent. It lights the scene all
-    /// the same.
+    /// Make the background transparent: the environment lights the scene but is hidden from the camera.
     #[arg(long)]
     transparent: bool,
-    /// Add albedo, normal, depth, position and ids to the image as layers; it must be an exr.
+    /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.
     #[arg(long, requires = "out")]
     layers: bool,
-    /// How points, lines and quads are traced.
-    #[arg(long, value_enum, default_value = "enhanced")]
-    mode: Mode,
+    /// The method that points, lines and quads are traced by.
+    #[arg(long, value_parser = choice::parser::<Method>(methods()), default_value = "enhanced")]
+    mode: Method,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -79,13 +81,14 @@ pub(crate) fn run(args: Args) -> Result<()> {
         view: args.view,
         transparent: args.transparent,
         shard,
-        // Layers show positions where they are, and the picture must be of the same rays.
+        // Layers hold positions in the world, and the picture must show the same rays.
         recenter: !args.layers,
         ..options
     };
-    let (label, kinds) = match args.mode {
-        Mode::Vanilla => ("vanilla", Vec::new()),
-        Mode::Enhanced => ("enhanced", args.picture.kinds.kinds()),
+    let label = args.mode.name();
+    let kinds = match args.mode {
+        Method::Vanilla => Vec::new(),
+        Method::Enhanced => args.picture.kinds.kinds(),
     };
     enhance(&mut scene.scene, &kinds);
     let label_of_film = checkpoint::label(&scene, camera, &options);

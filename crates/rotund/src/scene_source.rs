@@ -1,29 +1,30 @@
-//! Which scene a command is about, and what can be picked in it.
+//! Which scene a command is about: one that is built in, or a file.
 
-use crate::workspace;
-use anyhow::{Context, Result, anyhow, bail};
-use rotund_scene::{LoadError, LoadOptions, Loaded, Scene};
-use std::path::{Path, PathBuf};
+use crate::built_in;
+use anyhow::{Context, Error, Result, bail};
+use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene};
+use std::path::Path;
 
 /// A scene and what to call it.
 #[derive(Debug)]
 pub struct NamedScene {
-    /// The name of the file without its extension.
+    /// The name of a built-in scene, or of a file without its extension.
     pub name: String,
+    /// The scene, which has a camera.
     pub scene: Scene,
 }
 
-/// What to allow and what to bear with while loading.
+/// Security, error recovery and defaults for loading a scene.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct LoadArgs {
-    /// Radius in meters of the points and lines of a lone PLY or OBJ file, instead of its own radii or half
-    /// the usual distance between neighbours.
+    /// Radius in meters of the points and lines of a lone PLY or OBJ file. It replaces the radii in the
+    /// file, and the default of half the usual distance between neighbours.
     #[arg(long, value_name = "METERS", value_parser = radius)]
     radius: Option<f32>,
-    /// Take what cannot be read of textures as white, and say so, instead of giving up.
+    /// Replace textures that cannot be read by white, with a warning, instead of failing.
     #[arg(long)]
     keep_going: bool,
-    /// Let the scene name files outside its own folder: only for scenes that you trust.
+    /// Allow the scene to name files outside its own folder: only for scenes that you trust.
     #[arg(long)]
     allow_outside: bool,
 }
@@ -36,8 +37,7 @@ fn radius(text: &str) -> Result<f32, String> {
 }
 
 impl LoadArgs {
-    /// As the library takes them.
-    pub fn options(&self) -> LoadOptions {
+    fn options(&self) -> LoadOptions {
         LoadOptions {
             allow_outside_folder: self.allow_outside,
             keep_going: self.keep_going,
@@ -46,8 +46,13 @@ impl LoadArgs {
     }
 }
 
-/// Loads a scene: the name of one that comes with the workspace, or the path of a JSON, PLY or OBJ file. What is
-/// odd about it but no error goes to standard error.
+/// Loads a scene by the name of a built-in one or by the path of a JSON, PLY or OBJ file, and prints the
+/// loader's warnings on standard error.
+///
+/// # Errors
+///
+/// If there is no such scene, the loader refuses it, or it has neither a camera nor any surface to aim
+/// one at.
 #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
 pub fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
     let (name, loaded) = load_silently(name_or_path, args)?;
@@ -60,55 +65,35 @@ pub fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
     Ok(NamedScene { name, scene: loaded.scene })
 }
 
-/// Loads a scene and its name, and leaves warnings to the caller.
-pub fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(String, Loaded)> {
-    let path = locate(name_or_path)?;
-    // The text of a load error already tells its cause, so the chain would say it twice.
-    let loaded = rotund_scene::load(&path, &args.options()).map_err(|error| match error {
-        LoadError::OutsideFolder { .. } => anyhow!("{error}: --allow-outside"),
-        error => anyhow!("{error}"),
+/// Loads a scene and its name, and leaves the warnings to the caller.
+pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(String, Loaded)> {
+    let options = args.options();
+    if let Some(loaded) = built_in::load(name_or_path, &options) {
+        return Ok((name_or_path.to_owned(), loaded?));
+    }
+    let path = Path::new(name_or_path);
+    let is_path = name_or_path.contains(std::path::is_separator) || path.extension().is_some();
+    if !is_path {
+        bail!(
+            "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a JSON, \
+             PLY or OBJ file",
+            built_in::names().collect::<Vec<_>>().join(", ")
+        );
+    }
+    let loaded = rotund_scene::load(path, &options).map_err(|error| match *error.problem {
+        LoadProblem::OutsideFolder { .. } => Error::msg(format!("{error}: --allow-outside")),
+        _ => error.into(),
     })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok((name, loaded))
 }
 
-/// The index of the camera of that name; of the first without one.
-pub fn find_camera(scene: &NamedScene, name: Option<&str>) -> Result<usize> {
+/// Returns the index of the camera of that name, or of the first camera if `name` is `None`.
+pub(crate) fn find_camera(scene: &NamedScene, name: Option<&str>) -> Result<usize> {
     let Some(name) = name else { return Ok(0) };
     let cameras = &scene.scene.cameras;
     cameras.iter().position(|camera| camera.name == name).with_context(|| {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         format!("{} has no camera {name:?}, only: {}", scene.name, names.join(", "))
     })
-}
-
-/// The names of the scenes that come with the workspace, in order.
-pub fn bundled() -> Result<Vec<String>> {
-    let folder = workspace::root().join("scenes");
-    let entries = std::fs::read_dir(&folder)
-        .with_context(|| format!("cannot list the scenes in {}", folder.display()))?;
-    let mut names = Vec::new();
-    for entry in entries {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "json") {
-            names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
-        }
-    }
-    names.sort();
-    Ok(names)
-}
-
-fn locate(name_or_path: &str) -> Result<PathBuf> {
-    let path = Path::new(name_or_path);
-    if name_or_path.contains(std::path::is_separator) || path.extension().is_some() {
-        return Ok(path.to_owned());
-    }
-    let names = bundled()?;
-    if !names.iter().any(|name| name == name_or_path) {
-        bail!(
-            "there is no scene {name_or_path:?}; there are {}, or give the path of a JSON, PLY or OBJ file",
-            names.join(", ")
-        );
-    }
-    Ok(workspace::root().join("scenes").join(format!("{name_or_path}.json")))
 }

@@ -1,4 +1,4 @@
-//! One render: trees, lights, samples, and how long each took.
+//! One render with its timings, and the options that all commands that render share.
 
 use crate::cancel::Cancel;
 use crate::kinds::KindArgs;
@@ -10,12 +10,12 @@ use rotund_trace::{Film, Options, Sequence, World};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Where random numbers come from.
+/// The source of random numbers.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum SamplerKind {
-    /// Owen-scrambled Sobol points: noise falls faster.
+    /// Owen-scrambled Sobol points: their noise falls faster.
     Sobol,
-    /// Independent numbers, the textbook Monte Carlo.
+    /// Independent numbers: plain Monte Carlo.
     Independent,
 }
 
@@ -26,40 +26,42 @@ fn parse_clamp(text: &str) -> Result<f32, String> {
     }
 }
 
-/// How to take a picture of a scene.
+/// Options of one render.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ShotArgs {
-    /// The camera to look through; the first of the scene if not given.
+    /// Name of the camera. Default: the first one of the scene.
     #[arg(long)]
-    pub camera: Option<String>,
+    pub(crate) camera: Option<String>,
     /// Samples per pixel.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
-    pub samples: u32,
+    pub(crate) samples: u32,
     /// Pixels along the longer side.
     #[arg(long, default_value_t = 720, value_parser = clap::value_parser!(u32).range(1..=1 << 14))]
-    pub resolution: u32,
+    pub(crate) resolution: u32,
     /// Segments of the longest path, counted from the camera.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
-    pub bounces: u32,
-    /// Another seed is another picture of the same scene.
+    pub(crate) bounces: u32,
+    /// Seed of the random numbers: another seed gives the same picture with other noise.
     #[arg(long, default_value_t = 0)]
-    pub seed: u64,
-    /// Where random numbers come from.
+    pub(crate) seed: u64,
+    /// Source of random numbers.
     #[arg(long, value_enum, default_value = "sobol")]
     sampler: SamplerKind,
-    /// Scale samples down whose largest channel is above this: less noise, but light is lost.
+    /// Scale down samples with a channel above this radiance: less noise, but the picture gets darker.
     #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
     clamp: Option<f32>,
-    /// Threads to render with; one for each processor if not given. The picture is the same.
+    /// Number of threads. Default: one for each processor. The picture is the same for any number.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 10))]
-    pub threads: Option<u32>,
+    pub(crate) threads: Option<u32>,
 }
 
-/// The options of a command that takes pictures of a scene.
+/// Options of a command that renders a scene.
 #[derive(Clone, Debug, clap::Args)]
 pub struct PictureArgs {
+    /// Kinds of elements that are traced exactly.
     #[command(flatten)]
     pub kinds: KindArgs,
+    /// Camera, size, samples and threads.
     #[command(flatten)]
     pub shot: ShotArgs,
     #[command(flatten)]
@@ -67,7 +69,11 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// Loads the scene; with it the index of the camera, and the options of the render.
+    /// Loads the scene, and returns it with the index of the camera and the options of the render.
+    ///
+    /// # Errors
+    ///
+    /// If the scene cannot be loaded or has no such camera.
     pub fn load(&self, scene: &str) -> Result<(NamedScene, usize, Options)> {
         let scene = load(scene, &self.loading)?;
         let (camera, options) = self.shot.resolve(&scene)?;
@@ -76,8 +82,8 @@ impl PictureArgs {
 }
 
 impl ShotArgs {
-    /// The index of the camera, and the options of the render.
-    pub fn resolve(&self, scene: &NamedScene) -> Result<(usize, Options)> {
+    /// Returns the index of the camera and the options of the render.
+    fn resolve(&self, scene: &NamedScene) -> Result<(usize, Options)> {
         let camera = find_camera(scene, self.camera.as_deref())?;
         let (width, height) = scene.scene.cameras[camera].resolution(self.resolution);
         let options = Options {
@@ -96,7 +102,11 @@ impl ShotArgs {
         Ok((camera, options))
     }
 
-    /// Runs `work` with as many threads as asked for.
+    /// Runs `work` on the number of threads that the options ask for.
+    ///
+    /// # Errors
+    ///
+    /// If the threads cannot be started, or `work` fails.
     pub fn with_threads<T: Send>(&self, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
         let count = self.threads.unwrap_or(0) as usize;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
@@ -104,40 +114,45 @@ impl ShotArgs {
     }
 }
 
-/// A picture and what it took.
+/// A picture with its timings.
 #[derive(Debug)]
 pub struct Shot {
+    /// The picture.
     pub film: Film,
-    /// Time to build trees and the tables of lights.
+    /// Seconds to build the trees and the tables of lights.
     pub build_seconds: f64,
-    /// Time to take all samples.
+    /// Seconds to take all samples.
     pub render_seconds: f64,
-    /// Rays traced, shadow rays included.
+    /// Number of rays, shadow rays included.
     pub rays: u64,
-    /// Samples of all pixels that were taken in this run.
+    /// Number of samples of all pixels that this run took.
     pub samples: u64,
-    /// Ctrl-C ended it early: the film has fewer samples than asked for.
+    /// True if Ctrl-C ended the render early: the film has fewer samples than asked for.
     pub interrupted: bool,
 }
 
 impl Shot {
-    pub fn rays_per_second(&self) -> f64 {
+    pub(crate) fn rays_per_second(&self) -> f64 {
         self.rays as f64 / self.render_seconds.max(1e-9)
     }
 
-    pub fn samples_per_second(&self) -> f64 {
+    pub(crate) fn samples_per_second(&self) -> f64 {
         self.samples as f64 / self.render_seconds.max(1e-9)
     }
 }
 
-/// Renders a scene as its shapes say, with a progress meter under the name `label`. Ctrl-C ends it
-/// early.
+/// Renders a scene by the methods of its shapes, with a progress meter under the name `label`. Ctrl-C
+/// ends the render early.
+///
+/// # Errors
+///
+/// If the scene or the options are invalid.
 pub fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Result<Shot> {
     take_from(Film::for_options(options)?, scene, camera, options, label)
 }
 
-/// Adds samples to a picture until it has `samples` of them. Times and rays are those of the whole.
-pub fn take_more(
+/// Adds samples to a picture until it has `samples` of them. Timings and counts include those of `shot`.
+pub(crate) fn take_more(
     scene: &Scene,
     camera: usize,
     options: &Options,
@@ -170,9 +185,9 @@ fn take_from(
     Ok(Shot { build_seconds, ..shot })
 }
 
-/// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report` is
-/// shown the film several times a second; Ctrl-C ends the render early. The world was built by the caller.
-pub fn take_on(
+/// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report` gets
+/// the film several times a second. Ctrl-C ends the render early.
+pub(crate) fn take_on(
     mut film: Film,
     world: &World<'_>,
     camera: usize,
@@ -197,8 +212,9 @@ pub fn take_on(
     Ok(Shot { film, build_seconds: 0.0, render_seconds, rays, samples, interrupted })
 }
 
-/// What is to be said of samples that are not as they should be; nothing if all are.
-pub fn odd_samples(film: &Film) -> String {
+/// Returns counts of rejected and clamped samples for the end of a message; an empty text if there are
+/// none.
+pub(crate) fn odd_samples(film: &Film) -> String {
     let mut text = String::new();
     for (count, what) in [
         (film.rejected(), "no radiance, counted as black"),

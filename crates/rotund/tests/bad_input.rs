@@ -9,7 +9,7 @@ const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float 
     property float y\nproperty float z\nelement face 1\n\
     property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
-fn xtask(folder: &Path, arguments: &[&str]) -> Output {
+fn rotund(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_rotund"))
         .current_dir(folder)
         .args(arguments)
@@ -61,7 +61,7 @@ fn assert_refused(why: &str, folder: &Path, output: &Output, code: i32, words: &
 #[test]
 fn a_good_scene_renders_so_the_table_below_tests_its_faults_alone() {
     let (folder, _) = scene("", "", TRIANGLE);
-    let output = xtask(
+    let output = rotund(
         folder.path(),
         &["render", "scene.json", "--resolution", "8", "--samples", "1", "--out", "a.png"],
     );
@@ -117,7 +117,7 @@ fn a_bad_scene_is_refused_with_its_file_and_field() {
     ];
     for (why, from, to, ply, words) in table {
         let (folder, _) = scene(from, to, ply);
-        let output = xtask(folder.path(), &["render", "scene.json", "--out", "a.png"]);
+        let output = rotund(folder.path(), &["render", "scene.json", "--out", "a.png"]);
         assert_refused(why, folder.path(), &output, 1, words);
     }
 }
@@ -125,7 +125,8 @@ fn a_bad_scene_is_refused_with_its_file_and_field() {
 #[test]
 fn bad_arguments_are_refused_before_any_work() {
     type Case<'a> = (&'a str, &'a [&'a str], i32, &'a [&'a str]);
-    let table: [Case<'_>; 13] = [
+    let table: [Case<'_>; 14] = [
+        ("no folder of references", &["golden", "scene.json"], 2, &["--dir"]),
         ("unknown scene", &["info", "shapes9"], 1, &["shapes9", "shapes1", "shapes4"]),
         ("missing file", &["info", "no/such.json"], 1, &["no/such.json"]),
         ("a folder", &["info", "./"], 1, &["folder"]),
@@ -147,7 +148,7 @@ fn bad_arguments_are_refused_before_any_work() {
     ];
     let (folder, _) = scene("", "", TRIANGLE);
     for (why, arguments, code, words) in table {
-        let output = xtask(folder.path(), arguments);
+        let output = rotund(folder.path(), arguments);
         assert_refused(why, folder.path(), &output, code, words);
     }
 }
@@ -158,11 +159,11 @@ fn a_truncated_image_is_refused_with_its_name() {
     for name in ["a.png", "a.exr", "a.hdr"] {
         let render =
             ["render", "scene.json", "--resolution", "16", "--samples", "1", "--out", name];
-        assert!(xtask(folder.path(), &render).status.success(), "{name}");
+        assert!(rotund(folder.path(), &render).status.success(), "{name}");
         let path = folder.path().join(name);
         let bytes = fs::read(&path).expect("a rendered image");
         fs::write(&path, &bytes[..bytes.len() / 2]).expect("half of it");
-        let output = xtask(folder.path(), &["diff", name, name]);
+        let output = rotund(folder.path(), &["diff", name, name]);
         fs::remove_file(&path).expect("the image is there");
         assert_refused(name, folder.path(), &output, 1, &[name]);
     }
@@ -181,18 +182,19 @@ fn an_output_folder_without_permission_is_found_out_before_the_render() {
     let out = closed.path().join("a.png").to_string_lossy().into_owned();
     // It would take hours if it began.
     let long = ["render", "scene.json", "--samples", "1000000", "--out", &out];
-    let output = xtask(folder.path(), &long);
+    let output = rotund(folder.path(), &long);
     assert_refused("closed folder", folder.path(), &output, 1, &["cannot write"]);
 }
 
 #[test]
 fn help_shows_examples_of_every_command() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for command in ["compare", "render", "moved", "diff", "info", "golden", "completions"] {
-        let output = xtask(folder.path(), &[command, "--help"]);
+    let commands = ["compare", "render", "merge", "diff", "noise", "info", "golden", "completions"];
+    for command in commands {
+        let output = rotund(folder.path(), &[command, "--help"]);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(output.status.success(), "{command}");
-        assert!(text.contains(&format!("cargo xtask {command} ")), "{command}: {text}");
+        assert!(text.contains(&format!("  rotund {command} ")), "{command}: {text}");
         assert!(text.contains("Examples:"), "{command}: {text}");
     }
 }
@@ -202,9 +204,9 @@ fn a_scene_with_a_bad_texture_renders_if_asked_to_keep_going() {
     let (folder, _) =
         scene("\"cameras\"", "\"textures\": [{ \"uri\": \"gone.png\" }], \"cameras\"", TRIANGLE);
     let render = ["render", "scene.json", "--resolution", "16", "--samples", "1", "--out", "a.png"];
-    let output = xtask(folder.path(), &render);
+    let output = rotund(folder.path(), &render);
     assert_refused("without", folder.path(), &output, 1, &["gone.png", "textures[0].uri"]);
-    let output = xtask(folder.path(), &[&render[..], &["--keep-going"]].concat());
+    let output = rotund(folder.path(), &[&render[..], &["--keep-going"]].concat());
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() && folder.path().join("a.png").is_file(), "{said}");
     assert!(said.contains("left out") && said.contains("gone.png"), "{said}");
@@ -217,9 +219,9 @@ fn a_file_outside_the_folder_is_read_only_if_allowed() {
     fs::create_dir(&inner).expect("a folder");
     fs::rename(folder.path().join("scene.json"), inner.join("scene.json"))
         .expect("moves the scene");
-    let output = xtask(folder.path(), &["info", "inner/scene.json"]);
+    let output = rotund(folder.path(), &["info", "inner/scene.json"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!output.status.success() && said.contains("--allow-outside"), "{said}");
-    let output = xtask(folder.path(), &["info", "inner/scene.json", "--allow-outside"]);
+    let output = rotund(folder.path(), &["info", "inner/scene.json", "--allow-outside"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -169,7 +169,11 @@ fn shards_merge_to_the_picture_of_one_render() {
     place.succeed("render scene.json --resolution 160 --seed 8 --shard 2/3 --checkpoint other.film --samples 1");
     place.refuse(
         "merge 1.film other.film 3.film --out no.exr",
-        &["other.film is of another picture than 1.film", "seed 8, shard 2/3, not of", "seed 7"],
+        &[
+            "other.film belongs to another picture than 1.film",
+            "seed 8, shard 2/3, not to",
+            "seed 7",
+        ],
     );
     assert!(!place.path("no.exr").exists(), "nothing is written");
 }

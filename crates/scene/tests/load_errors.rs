@@ -383,7 +383,7 @@ fn a_missing_scene_and_a_folder_are_named() {
     let folder = Folder::new();
     let options = LoadOptions::default();
     let missing = load(folder.path().join("no.json"), &options).expect_err("refused").to_string();
-    assert_names("missing", &missing, &["no.json", "cannot read"]);
+    assert_names("missing", &missing, &["no.json", "cannot be read"]);
     let directory = load(folder.path(), &options).expect_err("refused").to_string();
     assert_names("folder", &directory, &["folder, not a file"]);
 }

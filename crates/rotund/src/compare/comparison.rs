@@ -6,8 +6,7 @@ use crate::output::write_text;
 use crate::scene_source::NamedScene;
 use crate::shot::{Shot, take, take_more};
 use anyhow::Result;
-use rotund_image::Difference;
-use rotund_image::{Picture, write_png};
+use rotund_image::{Difference, Image};
 use rotund_report::compare::index::Entry;
 use rotund_report::compare::{EqualTime, Report, Timing};
 use rotund_report::console::Table;
@@ -16,7 +15,7 @@ use rotund_trace::Options;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Both renders and their difference. Of each pair, the first is vanilla.
+/// Both renders and their difference. In each pair vanilla is first.
 #[derive(Debug)]
 pub(super) struct Comparison {
     scene: String,
@@ -24,18 +23,18 @@ pub(super) struct Comparison {
     options: Options,
     kinds: Vec<&'static str>,
     shots: [Shot; 2],
-    pictures: [Picture; 2],
+    pictures: [Image; 2],
     difference: Difference,
     longer: Option<Longer>,
 }
 
-/// What the faster method makes of the time that the slower one takes.
+/// The picture of the faster method after the time that the slower one takes.
 #[derive(Debug)]
 struct Longer {
     /// Index into [`NAMES`].
     faster: usize,
     shot: Shot,
-    picture: Picture,
+    picture: Image,
     difference: Difference,
 }
 
@@ -54,11 +53,12 @@ fn interrupted(folder: &Path, what: &str, options: &Options) -> anyhow::Error {
 }
 
 impl Comparison {
-    /// Renders both into `folder`, and the faster one for longer if `equal_time`.
+    /// Renders both pictures, and continues the faster one if `equal_time`.
     ///
     /// # Errors
     ///
-    /// If Ctrl-C is pressed: what there is then is written.
+    /// If the scene cannot be rendered, or Ctrl-C is pressed; then the pictures so far are written into
+    /// `folder`.
     pub(super) fn render(
         source: &mut NamedScene,
         camera: usize,
@@ -80,7 +80,7 @@ impl Comparison {
         let was_interrupted = enhanced.interrupted;
         let done = enhanced.film.samples();
         let shots = [vanilla, enhanced];
-        let pictures = shots.each_ref().map(|shot| Picture::from(&shot.film.image()));
+        let pictures = shots.each_ref().map(|shot| shot.film.image());
         let difference = Difference::between(&pictures[1], &pictures[0])?;
         let mut comparison = Self {
             scene: source.name.clone(),
@@ -103,7 +103,8 @@ impl Comparison {
         Ok(comparison)
     }
 
-    /// Nothing if both take about as long, or Ctrl-C is pressed: both pictures are complete then.
+    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures are
+    /// complete by then.
     fn render_longer(
         &self,
         scene: &mut Scene,
@@ -122,7 +123,7 @@ impl Comparison {
         if shot.interrupted {
             return Ok(None);
         }
-        let picture = Picture::from(&shot.film.image());
+        let picture = shot.film.image();
         let other = &self.pictures[1 - faster];
         let difference = match faster {
             0 => Difference::between(other, &picture)?,
@@ -136,14 +137,14 @@ impl Comparison {
             write_picture(folder, name, shot)?;
         }
         let title = "luminance of enhanced - vanilla";
-        write_png(&folder.join("difference.png"), &self.difference.signed_map(title))?;
-        write_png(&folder.join("flip.png"), &self.difference.flip_map())?;
+        self.difference.signed_map(title).write(folder.join("difference.png"))?;
+        self.difference.flip_map().write(folder.join("flip.png"))?;
         let metrics = serde_json::to_string_pretty(&self.metrics())? + "\n";
         write_text(&folder.join("metrics.json"), &metrics)?;
         write_text(&folder.join("report.html"), &self.report()?)
     }
 
-    /// What `metrics.json` holds. In `difference`, `a` is enhanced and `b` is vanilla.
+    /// Returns the content of `metrics.json`. In `difference`, `a` is enhanced and `b` is vanilla.
     pub(super) fn metrics(&self) -> Value {
         let [vanilla, enhanced] = self.shots.each_ref().map(|shot| {
             json!({
@@ -226,9 +227,10 @@ impl Comparison {
         table
     }
 
-    /// The card of the scene on the page about several.
+    /// Returns the card of the scene on the page about several scenes.
     pub(super) fn entry(&self) -> Result<Entry> {
-        Entry::new(&self.scene, &self.settings(), &self.pictures, &self.difference, &self.timings())
+        let (pictures, timings) = (&self.pictures, self.timings());
+        Ok(Entry::new(&self.scene, &self.settings(), pictures, &self.difference, &timings)?)
     }
 
     fn settings(&self) -> String {
@@ -242,7 +244,7 @@ impl Comparison {
     }
 
     fn report(&self) -> Result<String> {
-        rotund_report::compare::page(&Report {
+        let page = rotund_report::compare::page(&Report {
             scene: &self.scene,
             settings: &self.settings(),
             vanilla: &self.pictures[0],
@@ -256,6 +258,7 @@ impl Comparison {
                 seconds: [self.shots[1 - longer.faster].render_seconds, longer.shot.render_seconds],
                 metrics: longer.difference.metrics,
             }),
-        })
+        })?;
+        Ok(page)
     }
 }

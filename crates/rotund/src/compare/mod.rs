@@ -1,12 +1,12 @@
 //! `compare <scenes>`: the same picture by both methods, and what changed.
 //!
-//! Renders a scene vanilla and enhanced with equal seeds; then lets the faster of the two go on until it
-//! has taken as long as the other, for a picture at equal time. Writes into one folder for each scene:
-//! `vanilla` and `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
-//! `report.html`. Several scenes get a page `index.html` above their folders.
+//! Renders a scene vanilla and enhanced with equal seeds. Then the faster method continues until it has
+//! taken as long as the other, for a comparison at equal time. The folder of a scene gets `vanilla` and
+//! `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and `report.html`. Several
+//! scenes get a page `index.html` above their folders.
 
+use crate::built_in;
 use crate::output::{prepare_folder, write_text};
-use crate::scene_source::bundled;
 use crate::shot::PictureArgs;
 use anyhow::{Result, bail};
 use comparison::Comparison;
@@ -19,29 +19,29 @@ mod comparison;
 
 const EXAMPLES: &str = "\
 Examples:
-  cargo xtask compare shapes4
-  cargo xtask compare shapes4 --camera front --samples 256 --resolution 2160 --bounces 8
-  cargo xtask compare path/to/scene.json --kinds lines --out out/only-lines
-  cargo xtask compare --all --samples 16";
+  rotund compare shapes4
+  rotund compare shapes4 --camera front --samples 256 --resolution 2160
+  rotund compare path/to/scene.json --kinds lines --out out/only-lines
+  rotund compare --all --samples 16";
 
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Args {
-    /// Names of scenes in `scenes/`, or paths of JSON, PLY or OBJ files.
+pub struct Args {
+    /// Names of built-in scenes, or paths of JSON, PLY or OBJ files.
     #[arg(value_name = "SCENE", required_unless_present = "all")]
     scenes: Vec<String>,
-    /// Compare all scenes that come with the workspace.
+    /// Compare all built-in scenes.
     #[arg(long, conflicts_with = "scenes")]
     all: bool,
-    /// The folder to write to; `out/` and the name of the scene if not given. Of several scenes each
-    /// gets its own in it.
+    /// The folder to write to; several scenes get a folder each in it. Default: `out/` and the name
+    /// of the scene.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Do not let the faster method go on until both have taken equal time.
+    /// Do not continue the faster method until both have taken equal time.
     #[arg(long)]
     no_equal_time: bool,
-    /// Print the content of `metrics.json` instead of a table; a list if there are several scenes.
+    /// Print the content of `metrics.json` instead of a table, as a list for several scenes.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -49,7 +49,11 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let names = if args.all { bundled()? } else { args.scenes.clone() };
+    let names = if args.all {
+        built_in::names().map(ToOwned::to_owned).collect()
+    } else {
+        args.scenes.clone()
+    };
     if let [name] = &names[..] {
         let (metrics, page, _) = one(&args, name, args.out.clone())?;
         return if args.json {
@@ -71,7 +75,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         entries.push(entry);
     }
     let page = folder.join("index.html");
-    write_text(&page, &index::page(&entries)?)?;
+    write_text(&page, &index::page(&entries))?;
     if args.json {
         say(serde_json::to_string_pretty(&Value::Array(all))?)
     } else {
@@ -79,7 +83,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
 }
 
-/// Compares one scene and prints its table; returns its metrics, its page and its place in the index.
+/// Compares one scene and prints its table; returns its metrics, its page and its card in the index.
 fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathBuf, Entry)> {
     let (mut scene, camera, options) = args.picture.load(name)?;
     let folder = folder.unwrap_or_else(|| Path::new("out").join(&scene.name));

@@ -1,9 +1,9 @@
 //! Textures and shapes of a scene: from their files, or from generators.
 
 use super::{
-    LoadOptions,
-    error::NamedBy,
-    file,
+    context::Context,
+    error::{LoadError, LoadProblem},
+    file::{NamedFile, Opened},
     format::{SceneFile, ShapeFile, SubdivFile, TextureFile},
     image,
     mesh::{self, Mesh},
@@ -11,78 +11,66 @@ use super::{
     subdivide::{self, Subdivision},
 };
 use crate::{
-    LoadError, Shape, Texture,
+    Shape, Texture,
     generate::{Geometry, Unfit},
+    validate,
 };
 use rayon::prelude::*;
-use std::{
-    io::BufReader,
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
 /// Where something comes from, by `uri` or `generator`.
-struct Source<'a, G> {
-    scene: &'a Path,
+struct Source<'s, 'a, G> {
+    context: &'s Context<'a>,
     /// As in `textures[2]`.
     field: String,
-    uri: Option<&'a String>,
-    generator: Option<&'a G>,
-    allow_outside: bool,
+    uri: Option<&'s String>,
+    generator: Option<&'s G>,
 }
 
-impl<G> Source<'_, G> {
+impl<G> Source<'_, '_, G> {
     /// Reads or builds it, whichever the scene says.
     fn get<T>(
         &self,
-        read: impl Fn(&Path, &NamedBy) -> Result<T, LoadError>,
+        read: impl Fn(&NamedFile) -> Result<T, LoadError>,
         build: impl Fn(&G) -> Result<T, Unfit>,
     ) -> Result<T, LoadError> {
         match (self.uri, self.generator) {
-            (Some(uri), None) => {
-                let field = format!("{}.uri", self.field);
-                let path = file::resolve(self.scene, &field, uri, self.allow_outside)?;
-                read(&path, &NamedBy(Some((self.scene.to_owned(), field))))
+            (Some(uri), None) => read(&self.context.locate(format!("{}.uri", self.field), uri)?),
+            (None, Some(generator)) => build(generator).map_err(|unfit| {
+                let field = format!("{}.generator.{}", self.field, unfit.parameter);
+                self.context.unexpected(field, unfit.value, unfit.expected)
+            }),
+            (uri, _) => {
+                let value = if uri.is_some() { "beside a generator" } else { "missing" };
+                let expected = "either the name of a file or a generator";
+                Err(self.context.unexpected(format!("{}.uri", self.field), value, expected))
             }
-            (None, Some(generator)) => build(generator).map_err(|unfit| LoadError::Value {
-                path: self.scene.to_owned(),
-                field: format!("{}.generator.{}", self.field, unfit.parameter),
-                value: unfit.value,
-                expected: unfit.expected,
-            }),
-            (uri, _) => Err(LoadError::Value {
-                path: self.scene.to_owned(),
-                field: format!("{}.uri", self.field),
-                value: if uri.is_some() { "beside a generator" } else { "missing" }.to_owned(),
-                expected: "either the name of a file or a generator",
-            }),
         }
     }
 }
 
 /// All textures, in order.
 pub(super) fn textures(
-    scene: &Path,
+    context: &mut Context<'_>,
     file: &SceneFile,
-    options: &LoadOptions,
-    warnings: &mut Vec<String>,
 ) -> Result<Vec<Texture>, LoadError> {
+    let shared = &*context;
     let load = |(i, (key, texture)): (usize, &(Option<String>, TextureFile))| {
         let source = Source {
-            scene,
+            context: shared,
             field: format!("textures[{i}]"),
             uri: texture.uri.as_ref(),
             generator: texture.generator.as_ref(),
-            allow_outside: options.allow_outside_folder,
         };
-        let mut loaded = source.get(image::load, |generator| generator.build())?;
+        let mut loaded =
+            source.get(|file| read_texture(shared, file), |generator| generator.build())?;
         loaded.name = key.clone().unwrap_or_else(|| texture.name.clone());
         let mended = image::mend(&mut loaded);
         loaded.pixels = loaded.pixels.packed(loaded.width);
         let warning = (mended > 0).then(|| {
-            let scene = scene.display();
-            format!(
-                "{scene}: textures[{i}] has {mended} pixels that are not finite; taken as black"
-            )
+            shared.warning(format_args!(
+                "textures[{i}] has {mended} pixels that are not finite; taken as black"
+            ))
         });
         Ok((loaded, warning))
     };
@@ -90,14 +78,14 @@ pub(super) fn textures(
     let mut textures = Vec::new();
     for result in loaded {
         match result {
-            Err(error) if options.keep_going => {
-                warnings.push(format!("left out, white instead: {error}"));
+            Err(error) if context.options.keep_going => {
+                context.warnings.push(format!("left out, white instead: {error}"));
                 textures.push(Texture::default());
             }
             result => {
                 let (texture, warning) = result?;
                 textures.push(texture);
-                warnings.extend(warning);
+                context.warnings.extend(warning);
             }
         }
     }
@@ -106,13 +94,12 @@ pub(super) fn textures(
 
 /// All shapes, in order; `textures` are for displacement.
 pub(super) fn shapes(
-    scene: &Path,
+    context: &mut Context<'_>,
     file: &SceneFile,
-    options: &LoadOptions,
     textures: &[Texture],
-    warnings: &mut Vec<String>,
 ) -> Result<Vec<Shape>, LoadError> {
-    let subdivs = resolve::subdivs(scene, file)?;
+    let subdivs = resolve::subdivs(file).map_err(|problem| context.fail(problem))?;
+    let shared = &*context;
     let load = |(i, (key, shape)): (usize, &(Option<String>, ShapeFile))| {
         // A subdivision takes the place of its shape, whose own file nobody needs.
         let mut numbered = subdivs.iter().enumerate();
@@ -121,76 +108,91 @@ pub(super) fn shapes(
             Some((k, references)) => {
                 let described: &SubdivFile = &file.subdivs.items[k].1;
                 let source = Source {
-                    scene,
+                    context: shared,
                     field: format!("subdivs[{k}]"),
                     uri: described.uri.as_ref(),
                     generator: described.generator.as_ref(),
-                    allow_outside: options.allow_outside_folder,
                 };
                 let (control, warnings) = read_shape(&source)?;
                 let texture = references.displacement_tex.map(|index| &textures[index as usize]);
                 (subdivided(&source, &control, described, texture)?, warnings)
             }
             None => read_shape(&Source {
-                scene,
+                context: shared,
                 field: format!("shapes[{i}]"),
                 uri: shape.uri.as_ref(),
                 generator: shape.generator.as_ref(),
-                allow_outside: options.allow_outside_folder,
             })?,
         };
         loaded.name = key.clone().unwrap_or_else(|| shape.name.clone());
         if let Some(method) = shape.method.or(file.method) {
             loaded.method = method;
         }
+        // Files were checked value by value; generators and subdivisions may overflow.
+        if shape.generator.is_some() || subdiv.is_some() {
+            validate::shape(i, &loaded)
+                .map_err(|error| shared.fail(LoadProblem::Scene { error }))?;
+        }
         Ok((loaded, warnings))
     };
     let loaded: Vec<_> = file.shapes.items.par_iter().enumerate().map(load).collect();
     let mut shapes = Vec::new();
     for result in loaded {
-        let (shape, its_warnings) = result?;
+        let (shape, its_warnings): (_, Vec<_>) = result?;
         shapes.push(shape);
-        warnings.extend(its_warnings);
+        context.warnings.extend(its_warnings);
     }
     Ok(shapes)
 }
 
-/// The scene and the files that it names. Of a shape that a subdivision takes the place of, only if it is there.
-pub(super) fn files(scene: &Path, file: &SceneFile) -> Vec<PathBuf> {
-    let folder = scene.parent().unwrap_or(Path::new(""));
+/// The scene and the files that it names, except those of shapes that a subdivision replaces and that do
+/// not exist.
+pub(super) fn files(context: &Context<'_>, file: &SceneFile) -> Vec<PathBuf> {
     let textures = file.textures.items.iter().filter_map(|(_, texture)| texture.uri.as_ref());
     let shapes = file.shapes.items.iter().filter_map(|(_, shape)| shape.uri.as_ref());
     let subdivs = file.subdivs.items.iter().filter_map(|(_, subdiv)| subdiv.uri.as_ref());
-    let named = textures.chain(shapes).chain(subdivs).map(|uri| folder.join(uri));
-    let mut files: Vec<_> = named.filter(|path| path.is_file()).collect();
-    files.push(scene.to_owned());
+    let named = textures.chain(shapes).chain(subdivs).map(|uri| context.folder().join(uri));
+    let mut files: Vec<_> = named.filter(|path| context.files.is_file(path)).collect();
+    files.push(context.scene.clone());
     files.sort();
     files.dedup();
     files
 }
 
-fn read_shape(source: &Source<'_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {
+fn read_texture(context: &Context<'_>, file: &NamedFile) -> Result<Texture, LoadError> {
+    let format = image::format(file.extension()).map_err(|problem| file.fail(problem))?;
+    let bytes = context.files.read(file)?;
+    image::read(&bytes, format).map_err(|problem| file.fail(problem))
+}
+
+/// The shape, and warnings.
+fn read_shape(source: &Source<'_, '_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {
     source.get(
-        |path, named_by| {
-            let mut warnings = Vec::new();
-            let mesh = read_mesh(path, named_by)?;
-            Ok((mesh.into_shape(path, mesh::DEFAULT_RADIUS, &mut warnings)?, warnings))
-        },
+        |file| into_shape(read_mesh(source.context, file)?, file, mesh::DEFAULT_RADIUS),
         |generator| Ok((generator.build()?, Vec::new())),
     )
 }
 
+/// The shape of a mesh that was read from a file, and warnings.
+pub(super) fn into_shape(
+    mesh: Mesh,
+    file: &NamedFile,
+    default_radius: f32,
+) -> Result<(Shape, Vec<String>), LoadError> {
+    let (shape, warnings) =
+        mesh.into_shape(default_radius).map_err(|problem| file.fail(problem))?;
+    let of_file = |warning| format!("{}: {warning}", file.path.display());
+    Ok((shape, warnings.into_iter().map(of_file).collect()))
+}
+
 fn subdivided(
-    source: &Source<'_, Geometry>,
+    source: &Source<'_, '_, Geometry>,
     control: &Shape,
     described: &SubdivFile,
     displacement_tex: Option<&Texture>,
 ) -> Result<Shape, LoadError> {
-    let unfit = |field: &str, value: String, expected| LoadError::Value {
-        path: source.scene.to_owned(),
-        field: format!("{}.{field}", source.field),
-        value,
-        expected,
+    let unfit = |field: &str, value: String, expected| {
+        source.context.unexpected(format!("{}.{field}", source.field), value, expected)
     };
     match subdivide::quads_after(control, described.subdivisions) {
         None => return Err(unfit("uri", "without faces".to_owned(), "a mesh")),
@@ -220,18 +222,18 @@ fn subdivided(
     ))
 }
 
-pub(super) fn read_mesh(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
-    match file::extension(path).as_str() {
-        "ply" => {
-            let (file, length) = file::open(path, named_by)?;
-            ply::read(path, BufReader::with_capacity(1 << 16, file), length)
+/// Reads a PLY or OBJ file.
+pub(super) fn read_mesh(context: &Context<'_>, file: &NamedFile) -> Result<Mesh, LoadError> {
+    let mesh = match file.extension().as_str() {
+        "ply" => match context.files.open(file)? {
+            Opened::Disk(reader, length) => ply::read(reader, length),
+            Opened::Memory(bytes) => ply::read(&*bytes, bytes.len() as u64),
+        },
+        "obj" => obj::read(&context.files.read(file)?),
+        other => {
+            let extension = other.to_owned();
+            Err(LoadProblem::Unsupported { extension, supported: "ply and obj" })
         }
-        "obj" => obj::load(path, named_by),
-        other => Err(LoadError::Unsupported {
-            path: path.to_owned(),
-            named_by: named_by.clone(),
-            extension: other.to_owned(),
-            supported: "ply and obj",
-        }),
-    }
+    };
+    mesh.map_err(|problem| file.fail(problem))
 }

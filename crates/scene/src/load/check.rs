@@ -1,61 +1,60 @@
 //! Numbers of a scene file that mean something.
 
-use super::format::{Frame, SceneFile};
-use crate::{LoadError, validate::is_invertible};
-use std::path::Path;
+use super::{
+    context::Context,
+    error::{LoadError, LoadProblem},
+    format::{Frame, SceneFile},
+};
+use crate::validate::is_invertible;
 
 /// Refuses numbers that no scene can mean, naming the field.
-pub(super) fn check(
-    path: &Path,
-    file: &SceneFile,
-    warnings: &mut Vec<String>,
-) -> Result<(), LoadError> {
+pub(super) fn check(context: &mut Context<'_>, file: &SceneFile) -> Result<(), LoadError> {
     let version = file.asset.version.to_string();
     if !["null", "4.0", "4.1", "4.2", "4.3", "5.0"].contains(&version.trim_matches('"')) {
-        warnings.push(format!(
-            "{}: asset.version is {version}, which is not known; read as 5.0",
-            path.display()
-        ));
+        context.warn(format_args!("asset.version is {version}, which is not known; read as 5.0"));
     }
-    let checker = Checker { path };
+    numbers(file).map_err(|problem| context.fail(problem))
+}
+
+fn numbers(file: &SceneFile) -> Result<(), LoadProblem> {
     for (i, (_, camera)) in file.cameras.items.iter().enumerate() {
         let field = |name: &str| format!("cameras[{i}].{name}");
-        checker.frame(field("frame"), camera.frame)?;
-        checker.number(field("lens"), camera.lens, "a positive number", |x| x > 0.0)?;
-        checker.number(field("film"), camera.film, "a positive number", |x| x > 0.0)?;
-        checker.number(field("aspect"), camera.aspect, "a positive number", |x| x > 0.0)?;
+        frame(field("frame"), camera.frame)?;
+        number(field("lens"), camera.lens, "a positive number", |x| x > 0.0)?;
+        number(field("film"), camera.film, "a positive number", |x| x > 0.0)?;
+        number(field("aspect"), camera.aspect, "a positive number", |x| x > 0.0)?;
         let focus = camera.focus.unwrap_or(1.0);
-        checker.number(field("focus"), focus, "a positive number", |x| x > 0.0)?;
-        checker.number(field("aperture"), camera.aperture, NOT_NEGATIVE, |x| x >= 0.0)?;
-        if let Some(lookat) = camera.lookat {
-            checker.lookat(field("lookat"), lookat.frame())?;
+        number(field("focus"), focus, "a positive number", |x| x > 0.0)?;
+        number(field("aperture"), camera.aperture, NOT_NEGATIVE, |x| x >= 0.0)?;
+        if let Some(at) = camera.lookat {
+            lookat(field("lookat"), at.frame())?;
         }
     }
     for (i, (_, environment)) in file.environments.items.iter().enumerate() {
         let field = |name: &str| format!("environments[{i}].{name}");
-        checker.frame(field("frame"), environment.frame)?;
-        if let Some(lookat) = environment.lookat {
-            checker.lookat(field("lookat"), lookat.frame())?;
+        frame(field("frame"), environment.frame)?;
+        if let Some(at) = environment.lookat {
+            lookat(field("lookat"), at.frame())?;
         }
-        checker.color(field("emission"), environment.emission)?;
+        color(field("emission"), environment.emission)?;
     }
     for (i, (_, material)) in file.materials.items.iter().enumerate() {
         let field = |name: &str| format!("materials[{i}].{name}");
-        checker.color(field("emission"), material.emission)?;
-        checker.color(field("color"), material.color)?;
-        checker.number(field("roughness"), material.roughness, UNIT, in_unit)?;
-        checker.number(field("opacity"), material.opacity, UNIT, in_unit)?;
-        checker.number(field("ior"), material.ior, "a positive number", |x| x > 0.0)?;
-        checker.number(field("trdepth"), material.trdepth, "a positive number", |x| x > 0.0)?;
-        checker.color(field("scattering"), material.scattering)?;
+        color(field("emission"), material.emission)?;
+        color(field("color"), material.color)?;
+        number(field("roughness"), material.roughness, UNIT, in_unit)?;
+        number(field("opacity"), material.opacity, UNIT, in_unit)?;
+        number(field("ior"), material.ior, "a positive number", |x| x > 0.0)?;
+        number(field("trdepth"), material.trdepth, "a positive number", |x| x > 0.0)?;
+        color(field("scattering"), material.scattering)?;
         let anisotropy = material.scanisotropy;
-        checker.number(field("scanisotropy"), anisotropy, "between -1 and 1", |x| x.abs() < 1.0)?;
+        number(field("scanisotropy"), anisotropy, "between -1 and 1", |x| x.abs() < 1.0)?;
     }
     for (i, (_, instance)) in file.instances.items.iter().enumerate() {
         let field = |name: &str| format!("instances[{i}].{name}");
-        checker.frame(field("frame"), instance.frame)?;
-        if let Some(lookat) = instance.lookat {
-            checker.lookat(field("lookat"), lookat.frame())?;
+        frame(field("frame"), instance.frame)?;
+        if let Some(at) = instance.lookat {
+            lookat(field("lookat"), at.frame())?;
         }
     }
     Ok(())
@@ -68,64 +67,40 @@ fn in_unit(x: f32) -> bool {
     (0.0..=1.0).contains(&x)
 }
 
-struct Checker<'a> {
-    path: &'a Path,
+fn number(
+    field: String,
+    value: f32,
+    expected: &'static str,
+    fits: impl Fn(f32) -> bool,
+) -> Result<(), LoadProblem> {
+    if value.is_finite() && fits(value) {
+        return Ok(());
+    }
+    Err(LoadProblem::Value { field, value: value.to_string(), expected })
 }
 
-impl Checker<'_> {
-    fn number(
-        &self,
-        field: String,
-        value: f32,
-        expected: &'static str,
-        fits: impl Fn(f32) -> bool,
-    ) -> Result<(), LoadError> {
-        if value.is_finite() && fits(value) {
-            return Ok(());
-        }
-        Err(LoadError::Value {
-            path: self.path.to_owned(),
-            field,
-            value: value.to_string(),
-            expected,
-        })
-    }
+fn color(field: String, color: [f32; 3]) -> Result<(), LoadProblem> {
+    color.into_iter().try_for_each(|c| number(field.clone(), c, NOT_NEGATIVE, |x| x >= 0.0))
+}
 
-    fn color(&self, field: String, color: [f32; 3]) -> Result<(), LoadError> {
-        color
-            .into_iter()
-            .try_for_each(|c| self.number(field.clone(), c, NOT_NEGATIVE, |x| x >= 0.0))
+fn lookat(field: String, frame: glam::Affine3A) -> Result<(), LoadProblem> {
+    if frame.is_finite() {
+        return Ok(());
     }
-
-    fn frame(&self, field: String, frame: Frame) -> Result<(), LoadError> {
-        self::frame(self.path, || field, frame)
-    }
-
-    fn lookat(&self, field: String, frame: glam::Affine3A) -> Result<(), LoadError> {
-        if frame.is_finite() {
-            return Ok(());
-        }
-        Err(LoadError::Value {
-            path: self.path.to_owned(),
-            field,
-            value: "without a direction".to_owned(),
-            expected: "an eye, a centre apart from it, and an up vector across",
-        })
-    }
+    Err(LoadProblem::Value {
+        field,
+        value: "without a direction".to_owned(),
+        expected: "an eye, a centre apart from it, and an up vector across",
+    })
 }
 
 /// Refuses a frame without an inverse that `f32` can hold.
-pub(super) fn frame(
-    path: &Path,
-    field: impl FnOnce() -> String,
-    Frame(frame): Frame,
-) -> Result<(), LoadError> {
+pub(super) fn frame(field: String, Frame(frame): Frame) -> Result<(), LoadProblem> {
     if is_invertible(&frame) {
         return Ok(());
     }
-    Err(LoadError::Value {
-        path: path.to_owned(),
-        field: field(),
+    Err(LoadProblem::Value {
+        field,
         value: format!("{:?}", frame.to_cols_array()),
         expected: "a frame with three independent axes",
     })

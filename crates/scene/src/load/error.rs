@@ -1,100 +1,203 @@
 //! Why a file was refused, in words that help to mend it.
 
-use std::{io, path::PathBuf};
+use crate::SceneError;
+use std::{error::Error, fmt, io, path::Path, path::PathBuf};
 
 /// Why a scene, or a file that it names, was refused.
 ///
-/// `path` is the file to look at, `field` a path inside a scene file as in `instances[3].shape`.
-#[derive(Debug, thiserror::Error)]
+/// The message says everything, so [`Error::source`] is `None`.
+#[derive(Debug)]
+pub struct LoadError {
+    /// The file that has to be mended, or that cannot be read.
+    pub path: PathBuf,
+    /// The field that names the file; `None` if the caller did.
+    pub named_by: Option<NamedBy>,
+    /// What is wrong with the file.
+    pub problem: Box<LoadProblem>,
+}
+
+/// A field of a scene file that names another file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedBy {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// Path of the field in it, as in `shapes[3].uri`.
+    pub field: String,
+}
+
+/// What is wrong with a file. A `field` is a path inside a scene file, as in `instances[3].shape`.
+#[derive(Debug)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages and the names of the fields say it")]
-pub enum LoadError {
-    /// `named_by` says who asked for the file; empty if the caller did.
-    #[error("cannot read {}{named_by}: {source}", path.display())]
-    Read { path: PathBuf, named_by: NamedBy, source: io::Error },
-    #[error("{}{named_by} is a {what}, not a file", path.display())]
-    NotAFile { path: PathBuf, named_by: NamedBy, what: &'static str },
-    #[error("{}{named_by}: files that end in {extension:?} are not supported, only {supported}", path.display())]
-    Unsupported { path: PathBuf, named_by: NamedBy, extension: String, supported: &'static str },
-    /// Not JSON, or a field of another type than expected; the source says what and where.
-    #[error("{}: {}{}", path.display(), field_prefix(field), plain(field, source))]
-    Json { path: PathBuf, field: String, source: serde_json::Error },
-    #[error("{}: {field} is {value}, expected {expected}", path.display())]
-    Value { path: PathBuf, field: String, value: String, expected: &'static str },
-    #[error("{}: {field} is {value}, but the scene has {count} {what}", path.display())]
-    IndexOutOfRange { path: PathBuf, field: String, value: i64, what: &'static str, count: usize },
-    #[error("{}: {field} names {name:?}, which is not among the {what}{}", path.display(), nor_a_file(what, name))]
-    UnknownName { path: PathBuf, field: String, name: String, what: &'static str },
-    #[error(
-        "{}: {field} is {uri:?}, which leads out of the folder of the scene; allow it explicitly if you trust the file",
-        path.display()
-    )]
-    OutsideFolder { path: PathBuf, field: String, uri: String },
-    #[error("{}: line {line} of the header: {problem}", path.display())]
-    PlyHeader { path: PathBuf, line: usize, problem: String },
-    #[error("{}: line {line}: {problem}", path.display())]
-    ObjLine { path: PathBuf, line: usize, problem: String },
-    #[error("{}: the file ends before {element} {index} of {count}", path.display())]
-    Truncated { path: PathBuf, element: String, index: u64, count: u64 },
-    #[error("{}: {element} {index}: {property} is {value}, expected {expected}", path.display())]
+pub enum LoadProblem {
+    Read {
+        error: io::Error,
+    },
+    NotAFile {
+        what: &'static str,
+    },
+    Unsupported {
+        extension: String,
+        supported: &'static str,
+    },
+    /// Not JSON, or a field of another type than expected; the error says what and where.
+    Json {
+        field: String,
+        error: serde_json::Error,
+    },
+    Value {
+        field: String,
+        value: String,
+        expected: &'static str,
+    },
+    IndexOutOfRange {
+        field: String,
+        value: i64,
+        what: &'static str,
+        count: usize,
+    },
+    UnknownName {
+        field: String,
+        name: String,
+        what: &'static str,
+    },
+    OutsideFolder {
+        field: String,
+        uri: String,
+    },
+    PlyHeader {
+        line: usize,
+        problem: String,
+    },
+    ObjLine {
+        line: usize,
+        problem: String,
+    },
+    Truncated {
+        element: String,
+        index: u64,
+        count: u64,
+    },
     ElementValue {
-        path: PathBuf,
         element: String,
         index: u64,
         property: String,
         value: String,
         expected: &'static str,
     },
-    #[error("{}: {element} {index} names vertex {vertex}, but there are {count} vertices", path.display())]
-    VertexOutOfRange { path: PathBuf, element: String, index: u64, vertex: i64, count: usize },
-    #[error("{}: has {first} and {second} in one shape; split it into one file for each kind", path.display())]
-    MixedElements { path: PathBuf, first: &'static str, second: &'static str },
-    #[error("{}: has no points, lines or faces", path.display())]
-    EmptyShape { path: PathBuf },
-    #[error("{}: has {count} {what}, more than the {limit} that are supported", path.display())]
-    TooMany { path: PathBuf, what: &'static str, count: u64, limit: u64 },
-    #[error("{}: is UTF-16, expected UTF-8; save it in that encoding", path.display())]
-    Encoding { path: PathBuf },
-    #[error("{}: {problem}", path.display())]
-    Image { path: PathBuf, problem: String },
+    VertexOutOfRange {
+        element: String,
+        index: u64,
+        vertex: i64,
+        count: usize,
+    },
+    MixedElements {
+        first: &'static str,
+        second: &'static str,
+    },
+    EmptyShape,
+    TooMany {
+        what: &'static str,
+        count: u64,
+        limit: u64,
+    },
+    Encoding,
+    Image {
+        problem: String,
+    },
+    /// What generators or subdivisions make of numbers that are too large.
+    Scene {
+        error: SceneError,
+    },
 }
 
-/// Which field of which file names a path; prints nothing for a path that the caller gave.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct NamedBy(pub Option<(PathBuf, String)>);
+impl LoadProblem {
+    /// The error of a file that the caller named.
+    pub(super) fn at(self, path: &Path) -> LoadError {
+        LoadError { path: path.to_owned(), named_by: None, problem: Box::new(self) }
+    }
+}
 
-impl std::fmt::Display for NamedBy {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.0 {
-            Some((path, field)) => write!(f, " (named by {field} of {})", path.display()),
-            None => Ok(()),
+impl Error for LoadError {}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        if let Some(NamedBy { scene, field }) = &self.named_by {
+            write!(f, " (named by {field} of {})", scene.display())?;
+        }
+        write!(f, ": {}", self.problem)
+    }
+}
+
+impl fmt::Display for LoadProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read { error } => write!(f, "cannot be read: {error}"),
+            Self::NotAFile { what } => write!(f, "is a {what}, not a file"),
+            Self::Unsupported { extension, supported } => {
+                write!(f, "files that end in {extension:?} are not supported, only {supported}")
+            }
+            Self::Json { field, error } => f.write_str(&json_error(field, error)),
+            Self::Value { field, value, expected } => {
+                write!(f, "{field} is {value}, expected {expected}")
+            }
+            Self::IndexOutOfRange { field, value, what, count } => {
+                write!(f, "{field} is {value}, but the scene has {count} {what}")
+            }
+            Self::UnknownName { field, name, what } => {
+                write!(f, "{field} names {name:?}, which is not among the {what}")?;
+                let extensions = match *what {
+                    "shapes" => "ply or .obj",
+                    "textures" => "hdr, .exr, .png or .jpg",
+                    _ => return Ok(()),
+                };
+                write!(f, ", nor is there a file {what}/{name}.{extensions}")
+            }
+            Self::OutsideFolder { field, uri } => write!(
+                f,
+                "{field} is {uri:?}, which leads out of the folder of the scene; \
+                 allow it explicitly if you trust the file"
+            ),
+            Self::PlyHeader { line, problem } => write!(f, "line {line} of the header: {problem}"),
+            Self::ObjLine { line, problem } => write!(f, "line {line}: {problem}"),
+            Self::Truncated { element, index, count } => {
+                write!(f, "the file ends before {element} {index} of {count}")
+            }
+            Self::ElementValue { element, index, property, value, expected } => {
+                write!(f, "{element} {index}: {property} is {value}, expected {expected}")
+            }
+            Self::VertexOutOfRange { element, index, vertex, count } => {
+                write!(f, "{element} {index} names vertex {vertex}, but there are {count} vertices")
+            }
+            Self::MixedElements { first, second } => write!(
+                f,
+                "has {first} and {second} in one shape; split it into one file for each kind"
+            ),
+            Self::EmptyShape => f.write_str("has no points, lines or faces"),
+            Self::TooMany { what, count, limit } => {
+                write!(f, "has {count} {what}, more than the {limit} that are supported")
+            }
+            Self::Encoding => f.write_str("is UTF-16, expected UTF-8; save it in that encoding"),
+            Self::Image { problem } => f.write_str(problem),
+            Self::Scene { error } => error.fmt(f),
         }
     }
 }
 
-/// `serde_path_to_error` calls the root `.`, which helps nobody.
-fn field_prefix(field: &str) -> String {
-    if field.is_empty() || field == "." { String::new() } else { format!("{field}: ") }
-}
-
-/// What a name may mean beside an item of the scene file.
-fn nor_a_file(what: &str, name: &str) -> String {
-    let extensions = match what {
-        "shapes" => "ply or .obj",
-        "textures" => "hdr, .exr, .png or .jpg",
-        _ => return String::new(),
-    };
-    format!(", nor is there a file {what}/{name}.{extensions}")
-}
-
-/// What serde says, without names of Rust's types.
-fn plain(field: &str, source: &serde_json::Error) -> String {
+/// The message of serde_json after the field, without the names of Rust's types.
+fn json_error(field: &str, error: &serde_json::Error) -> String {
     let words = [
         ("expected f32", "expected a number"),
         ("expected u32", "expected an integer from 0 to 4294967295"),
         ("expected value at", "expected a value of another kind at"),
     ];
-    let text = words.iter().fold(source.to_string(), |text, (from, to)| text.replace(from, to));
-    // Inside the file these follow a value that could have ended.
-    if field.is_empty() { text } else { text.replace("trailing characters", "too many items") }
+    let text = words.iter().fold(error.to_string(), |text, (from, to)| text.replace(from, to));
+    match field {
+        "" => text,
+        // `serde_path_to_error` calls the root `.`. Inside the file, the characters follow a value that
+        // could have ended.
+        "." => text.replace("trailing characters", "too many items"),
+        _ => format!("{field}: {}", text.replace("trailing characters", "too many items")),
+    }
 }

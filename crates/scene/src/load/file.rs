@@ -1,74 +1,122 @@
-//! Files that a scene names: which may be opened, and how.
+//! Files that a scene names: which may be read, and from where.
 
-use super::error::NamedBy;
-use crate::LoadError;
+use super::error::{LoadError, LoadProblem, NamedBy};
 use std::{
+    borrow::Cow,
     fs::{self, File},
-    io,
+    io::{self, BufReader},
     path::{Component, Path, PathBuf},
 };
 
-/// The file that `uri`, in `field` of the scene at `scene`, means: relative to the scene's folder,
-/// and not outside it unless that is allowed.
-pub(super) fn resolve(
-    scene: &Path,
-    field: &str,
-    uri: &str,
-    allow_outside: bool,
-) -> Result<PathBuf, LoadError> {
-    let outside = || LoadError::OutsideFolder {
-        path: scene.to_owned(),
-        field: field.to_owned(),
-        uri: uri.to_owned(),
-    };
-    let folder = scene.parent().unwrap_or(Path::new(""));
-    let path = folder.join(uri);
-    if allow_outside {
-        return Ok(path);
-    }
-    let stays = |component| matches!(component, Component::Normal(_) | Component::CurDir);
-    if !Path::new(uri).components().all(stays) {
-        return Err(outside());
-    }
-    // A link may lead out as well. What does not exist is found out when it is opened.
-    if let (Ok(folder), Ok(target)) = (fs::canonicalize(or_dot(folder)), fs::canonicalize(&path))
-        && !target.starts_with(folder)
-    {
-        return Err(outside());
-    }
-    Ok(path)
+/// Where the contents of files come from.
+#[derive(Clone, Copy)]
+pub(super) enum Files<'a> {
+    /// The file system.
+    Disk,
+    /// A function of the path.
+    Memory(&'a (dyn Fn(&str) -> Option<Cow<'a, [u8]>> + Sync)),
 }
 
-/// Opens a regular file and tells its length. Anything else is refused before it is opened, for to
-/// open a pipe is to wait for its writer.
-pub(super) fn open(path: &Path, named_by: &NamedBy) -> Result<(File, u64), LoadError> {
-    let failed = |source: io::Error| LoadError::Read {
-        path: path.to_owned(),
-        named_by: named_by.clone(),
-        source,
-    };
-    let kind = fs::metadata(path).map_err(failed)?.file_type();
-    if !kind.is_file() {
-        let what = if kind.is_dir() { "folder" } else { "pipe or device" };
-        return Err(LoadError::NotAFile {
-            path: path.to_owned(),
-            named_by: named_by.clone(),
-            what,
-        });
-    }
-    let file = File::open(path).map_err(failed)?;
-    let length = file.metadata().map_err(failed)?.len();
-    Ok((file, length))
+/// A file, and the field of the scene that names it.
+#[derive(Clone, Debug)]
+pub(super) struct NamedFile {
+    pub path: PathBuf,
+    pub named_by: Option<NamedBy>,
 }
 
-/// The whole of a regular file.
-pub(super) fn read(path: &Path, named_by: &NamedBy) -> Result<Vec<u8>, LoadError> {
-    let (mut file, length) = open(path, named_by)?;
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    match io::Read::read_to_end(&mut file, &mut bytes) {
-        Ok(_) => Ok(bytes),
-        Err(source) => {
-            Err(LoadError::Read { path: path.to_owned(), named_by: named_by.clone(), source })
+/// A file that can be read.
+pub(super) enum Opened<'a> {
+    /// With its length in bytes.
+    Disk(BufReader<File>, u64),
+    Memory(Cow<'a, [u8]>),
+}
+
+impl NamedFile {
+    /// A file that the caller of the loader names.
+    pub(super) fn given(path: &Path) -> Self {
+        Self { path: path.to_owned(), named_by: None }
+    }
+
+    /// The error that this file has this problem.
+    pub(super) fn fail(&self, problem: LoadProblem) -> LoadError {
+        LoadError { named_by: self.named_by.clone(), ..problem.at(&self.path) }
+    }
+
+    /// The extension in lower case.
+    pub(super) fn extension(&self) -> String {
+        extension(&self.path)
+    }
+}
+
+impl<'a> Files<'a> {
+    /// Opens a regular file. Any other is refused before it is opened, since opening a pipe waits for a
+    /// writer.
+    pub(super) fn open(&self, file: &NamedFile) -> Result<Opened<'a>, LoadError> {
+        let failed = |error: io::Error| file.fail(LoadProblem::Read { error });
+        match self {
+            Self::Disk => {
+                let kind = fs::metadata(&file.path).map_err(failed)?.file_type();
+                if !kind.is_file() {
+                    let what = if kind.is_dir() { "folder" } else { "pipe or device" };
+                    return Err(file.fail(LoadProblem::NotAFile { what }));
+                }
+                let opened = File::open(&file.path).map_err(failed)?;
+                let length = opened.metadata().map_err(failed)?.len();
+                Ok(Opened::Disk(BufReader::with_capacity(1 << 16, opened), length))
+            }
+            Self::Memory(files) => match files(&slashed(&file.path)) {
+                Some(bytes) => Ok(Opened::Memory(bytes)),
+                None => Err(failed(io::Error::new(
+                    io::ErrorKind::NotFound,
+                    "not among the files in memory",
+                ))),
+            },
+        }
+    }
+
+    /// Reads the whole of a regular file.
+    pub(super) fn read(&self, file: &NamedFile) -> Result<Cow<'a, [u8]>, LoadError> {
+        match self.open(file)? {
+            Opened::Memory(bytes) => Ok(bytes),
+            Opened::Disk(mut reader, length) => {
+                let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+                match io::Read::read_to_end(&mut reader, &mut bytes) {
+                    Ok(_) => Ok(Cow::Owned(bytes)),
+                    Err(error) => Err(file.fail(LoadProblem::Read { error })),
+                }
+            }
+        }
+    }
+
+    pub(super) fn is_file(&self, path: &Path) -> bool {
+        match self {
+            Self::Disk => path.is_file(),
+            Self::Memory(files) => files(&slashed(path)).is_some(),
+        }
+    }
+
+    pub(super) fn exists(&self, path: &Path) -> bool {
+        match self {
+            Self::Disk => path.exists(),
+            Self::Memory(_) => self.is_file(path),
+        }
+    }
+
+    /// True if a path, relative to a folder, leads to a file outside of it. A file that does not exist is
+    /// found out when it is opened.
+    pub(super) fn leads_outside(&self, folder: &Path, uri: &str) -> bool {
+        let stays = |component| matches!(component, Component::Normal(_) | Component::CurDir);
+        if !Path::new(uri).components().all(stays) {
+            return true;
+        }
+        if matches!(self, Self::Memory(_)) {
+            return false;
+        }
+        // A symbolic link may lead out as well.
+        let folder_or_dot = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        match (fs::canonicalize(folder_or_dot), fs::canonicalize(folder.join(uri))) {
+            (Ok(folder), Ok(target)) => !target.starts_with(folder),
+            _ => false,
         }
     }
 }
@@ -78,15 +126,15 @@ pub(super) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-fn or_dot(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+/// A path with `/` between its parts, whatever the system.
+fn slashed(path: &Path) -> String {
+    path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
 }
 
-/// The content of a text file without the mark that some editors put before UTF-8; an error if the mark is that of
-/// UTF-16.
-pub(super) fn text<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8], LoadError> {
+/// The content of a text file without a byte order mark of UTF-8; an error if the mark is that of UTF-16.
+pub(super) fn text(bytes: &[u8]) -> Result<&[u8], LoadProblem> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(LoadError::Encoding { path: path.to_owned() });
+        return Err(LoadProblem::Encoding);
     }
     Ok(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }

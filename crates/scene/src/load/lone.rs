@@ -1,48 +1,36 @@
 //! A scene around a lone shape: a point cloud, streamlines or a mesh without a scene file.
 
-use super::{LoadOptions, Loaded, assets, error::NamedBy, mesh};
+use super::{assets, context::Context, error::LoadError, file::NamedFile, mesh};
 use crate::{
-    Camera, Elements, Environment, Instance, LoadError, Material, MaterialKind, Scene, Shape,
-    generate,
+    Camera, Elements, Environment, Instance, Material, MaterialKind, Scene, Shape, generate,
 };
 use glam::{Affine3A, Mat3A, Vec3};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
-use std::path::Path;
 
 /// Frames the shape in a file with a camera, a floor and a sky.
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
-    let mut warnings = Vec::new();
-    let mesh = assets::read_mesh(path, &NamedBy::default())?;
-    let radius = match options.radius {
+pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
+    let file = NamedFile::given(&context.scene);
+    let mesh = assets::read_mesh(context, &file)?;
+    let radius = match context.options.radius {
         Some(radius) if radius.is_finite() && radius > 0.0 => radius,
-        Some(radius) => {
-            return Err(LoadError::Value {
-                path: path.to_owned(),
-                field: "radius".to_owned(),
-                value: radius.to_string(),
-                expected: "a positive number",
-            });
-        }
+        Some(radius) => return Err(context.unexpected("radius", radius, "a positive number")),
         None if mesh.radii.is_empty() => default_radius(&mesh.positions),
         None => mesh::DEFAULT_RADIUS,
     };
-    let mut shape = mesh.into_shape(path, radius, &mut warnings)?;
-    shape.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if options.radius.is_some() {
+    let (mut shape, warnings) = assets::into_shape(mesh, &file, radius)?;
+    context.warnings.extend(warnings);
+    shape.name = context.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if context.options.radius.is_some() {
         shape.radii.fill(radius);
     }
     let bounds = bounds_of(&shape);
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if largest > LARGEST {
-        return Err(LoadError::Value {
-            path: path.to_owned(),
-            field: "the largest coordinate".to_owned(),
-            value: largest.to_string(),
-            expected: "at most 1e15, to be framed by a camera",
-        });
+        let expected = "at most 1e15, to be framed by a camera";
+        return Err(context.unexpected("the largest coordinate", largest, expected));
     }
-    Ok(Loaded { scene: around(shape, bounds), warnings, files: vec![path.to_owned()] })
+    Ok(around(shape, bounds))
 }
 
 /// Beyond this, distances across a scene overflow.

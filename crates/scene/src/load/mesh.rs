@@ -1,12 +1,12 @@
 //! What a file of geometry holds before it becomes a shape: elements of any kind, unchecked.
 
+use super::error::LoadProblem;
 use crate::{
-    Elements, LoadError, Shape,
+    Elements, Shape,
     validate::{first, first_outside, is_color, is_radius, listed},
 };
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
-use std::path::Path;
 
 /// Arrays as they come from a file. Indices may be out of range and values may be no numbers.
 #[derive(Debug, Default)]
@@ -83,37 +83,35 @@ impl Faces {
 pub(crate) const DEFAULT_RADIUS: f32 = 0.001;
 
 impl Mesh {
-    /// Checks everything and keeps what the one kind of elements needs. `path` is for messages;
-    /// what was mended is told in `warnings`.
+    /// Checks everything and keeps what the one kind of elements needs; gives warnings about what was
+    /// mended.
     pub(crate) fn into_shape(
         mut self,
-        path: &Path,
         default_radius: f32,
-        warnings: &mut Vec<String>,
-    ) -> Result<Shape, LoadError> {
-        self.check_kinds(path)?;
-        self.check_vertices(path, warnings)?;
-        warnings.extend(self.oddity.take().map(|oddity| format!("{}: {oddity}", path.display())));
+    ) -> Result<(Shape, Vec<String>), LoadProblem> {
+        self.check_kinds()?;
+        let mut warnings = self.check_vertices()?;
+        warnings.extend(self.oddity.take());
         let count = self.positions.len();
         let elements = if !self.faces.is_empty() {
             match std::mem::take(&mut self.faces) {
                 Faces::Triangles(triangles) => {
-                    check_indices(path, "face", &triangles, count)?;
+                    check_indices("face", &triangles, count)?;
                     Elements::Triangles(triangles)
                 }
                 Faces::Quads(quads) => {
-                    check_indices(path, "face", &quads, count)?;
+                    check_indices("face", &quads, count)?;
                     Elements::Quads(quads)
                 }
             }
         } else if !self.lines.is_empty() {
             let lines = std::mem::take(&mut self.lines);
-            check_indices(path, "line", &lines, count)?;
+            check_indices("line", &lines, count)?;
             Elements::Lines(lines)
         } else {
             let points = std::mem::take(&mut self.points);
             if !points.is_empty() {
-                self.gather(path, &points)?;
+                self.gather(&points)?;
             }
             Elements::Points(u32::try_from(self.positions.len()).unwrap_or(u32::MAX))
         };
@@ -124,7 +122,7 @@ impl Mesh {
         } else {
             self.radii = Vec::new();
         }
-        Ok(Shape {
+        let shape = Shape {
             elements,
             positions: self.positions,
             normals: self.normals,
@@ -132,11 +130,12 @@ impl Mesh {
             colors: self.colors,
             radii: self.radii,
             ..Shape::default()
-        })
+        };
+        Ok((shape, warnings))
     }
 
     /// One kind of elements, or none but vertices: a cloud.
-    fn check_kinds(&self, path: &Path) -> Result<(), LoadError> {
+    fn check_kinds(&self) -> Result<(), LoadProblem> {
         let kinds = [
             (!self.points.is_empty(), "points"),
             (!self.lines.is_empty(), "lines"),
@@ -144,33 +143,25 @@ impl Mesh {
         ];
         let mut present = kinds.iter().filter(|(present, _)| *present).map(|(_, name)| *name);
         match (present.next(), present.next()) {
-            (Some(first), Some(second)) => {
-                Err(LoadError::MixedElements { path: path.to_owned(), first, second })
-            }
-            (None, _) if self.positions.is_empty() => {
-                Err(LoadError::EmptyShape { path: path.to_owned() })
-            }
+            (Some(first), Some(second)) => Err(LoadProblem::MixedElements { first, second }),
+            (None, _) if self.positions.is_empty() => Err(LoadProblem::EmptyShape),
             _ => Ok(()),
         }
     }
 
-    fn check_vertices(&mut self, path: &Path, warnings: &mut Vec<String>) -> Result<(), LoadError> {
+    /// Refuses or mends what no vertex can have; gives warnings about what was mended.
+    fn check_vertices(&mut self) -> Result<Vec<String>, LoadProblem> {
         let count = self.positions.len() as u64;
         if count > u64::from(u32::MAX) {
             let limit = u64::from(u32::MAX);
-            return Err(LoadError::TooMany {
-                path: path.to_owned(),
-                what: "vertices",
-                count,
-                limit,
-            });
+            return Err(LoadProblem::TooMany { what: "vertices", count, limit });
         }
+        let mut warnings = Vec::new();
         if self.sound {
-            return Ok(());
+            return Ok(warnings);
         }
         let bad = |index: usize, property: &str, value: String, expected| {
-            Err(LoadError::ElementValue {
-                path: path.to_owned(),
+            Err(LoadProblem::ElementValue {
                 element: "vertex".to_owned(),
                 index: index as u64,
                 property: property.to_owned(),
@@ -198,17 +189,16 @@ impl Mesh {
             + texcoords.map(|texcoord| *texcoord = Vec2::ZERO).count();
         if mended > 0 {
             warnings.push(format!(
-                "{}: {mended} normals or texture coordinates are not finite; taken as zero",
-                path.display()
+                "{mended} normals or texture coordinates are not finite; taken as zero"
             ));
         }
-        Ok(())
+        Ok(warnings)
     }
 
     /// Makes point `i` vertex `i`.
-    fn gather(&mut self, path: &Path, points: &[u32]) -> Result<(), LoadError> {
+    fn gather(&mut self, points: &[u32]) -> Result<(), LoadProblem> {
         let points: &[[u32; 1]] = points.as_chunks().0;
-        check_indices(path, "point", points, self.positions.len())?;
+        check_indices("point", points, self.positions.len())?;
         let in_order = points.iter().zip(0..).all(|(point, i)| point[0] == i);
         if in_order && points.len() == self.positions.len() {
             return Ok(());
@@ -228,15 +218,13 @@ impl Mesh {
 }
 
 fn check_indices<const N: usize>(
-    path: &Path,
     element: &str,
     elements: &[[u32; N]],
     count: usize,
-) -> Result<(), LoadError> {
+) -> Result<(), LoadProblem> {
     match first_outside(elements, count) {
         None => Ok(()),
-        Some((index, vertex)) => Err(LoadError::VertexOutOfRange {
-            path: path.to_owned(),
+        Some((index, vertex)) => Err(LoadProblem::VertexOutOfRange {
             element: element.to_owned(),
             index: index as u64,
             vertex: i64::from(vertex),

@@ -3,6 +3,7 @@
 mod assets;
 mod check;
 mod collection;
+mod context;
 mod error;
 mod file;
 mod format;
@@ -11,95 +12,141 @@ mod lone;
 mod mesh;
 mod obj;
 mod older;
+mod options;
 mod placements;
 mod ply;
 mod resolve;
 mod subdivide;
 
-pub use error::{LoadError, NamedBy};
+pub use error::{LoadError, LoadProblem, NamedBy};
+pub use options::LoadOptions;
 
 use crate::Scene;
+use context::Context;
+use file::{Files, NamedFile};
 use format::SceneFile;
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
-/// What to allow and what to bear with while loading.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LoadOptions {
-    /// Let a scene name files outside its own folder. Off by default: then a scene from a stranger
-    /// reads nothing but what came with it.
-    pub allow_outside_folder: bool,
-    /// Load the rest if a texture cannot be read: it becomes white, and a warning says so.
-    pub keep_going: bool,
-    /// Of points and lines if what is loaded is a lone shape: in the place of radii in the file, or of
-    /// one found from how far the points are apart.
-    pub radius: Option<f32>,
-}
-
-/// A scene, and what about its files was odd but not wrong.
+/// A scene, with the names of its files and warnings about their content.
 #[derive(Clone, Debug, Default)]
 pub struct Loaded {
-    /// Indices and values are checked.
+    /// The scene; [`Scene::validate`] accepts it.
     pub scene: Scene,
     /// One sentence each, with the file and the field.
     pub warnings: Vec<String>,
-    /// What was read, each once.
+    /// The files that the scene was read from, each once.
     pub files: Vec<PathBuf>,
 }
 
 /// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for shapes
-/// and control meshes; PNG, JPEG, HDR and EXR for textures. A shape by itself becomes a scene with a
-/// camera, a floor and a sky around it; a scene without a camera gets one.
+/// and control meshes; PNG, JPEG, HDR and EXR for textures. A PLY or OBJ file by itself becomes a scene
+/// with a camera, a floor and a sky around the shape; a scene without a camera gets one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// whatever they claim to hold.
 ///
 /// # Errors
 ///
-/// If a file cannot be read or means nothing: see [`LoadError`].
+/// If a file cannot be read or its content is not valid: see [`LoadProblem`].
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
+    let context = Context::new(path, options, Files::Disk);
     if matches!(file::extension(path).as_str(), "ply" | "obj") {
-        return lone::load(path, options);
+        return load_lone(context);
     }
-    let nobody = NamedBy::default();
-    // A folder is told as such, whatever its name ends in.
-    drop(file::open(path, &nobody)?);
-    let extension = file::extension(path);
-    let unsupported = |extension| {
-        let (path, named_by) = (path.to_owned(), NamedBy::default());
-        LoadError::Unsupported { path, named_by, extension, supported: "json, ply and obj" }
-    };
-    if !matches!(extension.as_str(), "json" | "") {
-        return Err(unsupported(extension));
+    // The message for a folder says so, whatever its name ends in.
+    drop(context.files.open(&NamedFile::given(path))?);
+    check_extension(&context)?;
+    let bytes = context.files.read(&NamedFile::given(path))?;
+    load_json(context, &bytes)
+}
+
+/// Loads a scene that is in memory, as [`load`] does from the file `name`.
+///
+/// `bytes` are the content of that file, and `files` gives the content of each file that the scene names,
+/// by its path with `/` between folders: for the scene `scenes/a.json` that names `shapes/b.ply`, the path
+/// is `scenes/shapes/b.ply`. The extension of `name` tells scenes, in JSON, from shapes in PLY and OBJ.
+///
+/// ```
+/// use rotund_scene::{LoadOptions, load_bytes};
+/// use std::borrow::Cow;
+///
+/// let json = br#"{ "shapes": [{ "uri": "ball.ply" }] }"#;
+/// let ply = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+///     property float z\nproperty float radius\nend_header\n0 1 0 0.5\n";
+/// let files = |path: &str| (path == "ball.ply").then_some(Cow::Borrowed(&ply[..]));
+/// let loaded = load_bytes("scene.json", json, &files, &LoadOptions::default())?;
+/// assert_eq!(loaded.scene.shapes[0].radii, [0.5]);
+/// # Ok::<(), rotund_scene::LoadError>(())
+/// ```
+///
+/// # Errors
+///
+/// As [`load`]; a file that `files` does not have cannot be read.
+pub fn load_bytes<'a>(
+    name: impl AsRef<Path>,
+    bytes: &'a [u8],
+    files: &'a (dyn Fn(&str) -> Option<Cow<'a, [u8]>> + Sync),
+    options: &LoadOptions,
+) -> Result<Loaded, LoadError> {
+    let name = name.as_ref();
+    if matches!(file::extension(name).as_str(), "ply" | "obj") {
+        let only = |_: &str| Some(Cow::Borrowed(bytes));
+        return load_lone(Context::new(name, options, Files::Memory(&only)));
     }
-    let bytes = file::read(path, &nobody)?;
-    // A pipe has no extension. A mesh without one is no JSON with a mistake in its first line.
+    let context = Context::new(name, options, Files::Memory(files));
+    check_extension(&context)?;
+    load_json(context, bytes)
+}
+
+fn load_lone(mut context: Context<'_>) -> Result<Loaded, LoadError> {
+    let scene = lone::load(&mut context)?;
+    let files = vec![context.scene.clone()];
+    Ok(Loaded { scene, warnings: context.warnings, files })
+}
+
+/// Refuses names that are neither of JSON nor, as those of pipes, without an extension.
+fn check_extension(context: &Context<'_>) -> Result<(), LoadError> {
+    match file::extension(&context.scene).as_str() {
+        "json" | "" => Ok(()),
+        _ => Err(unsupported(context)),
+    }
+}
+
+fn unsupported(context: &Context<'_>) -> LoadError {
+    let extension = file::extension(&context.scene);
+    context.fail(LoadProblem::Unsupported { extension, supported: "json, ply and obj" })
+}
+
+fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError> {
+    // A PLY file under another name is not JSON with a mistake in its first line.
     if bytes.starts_with(b"ply") {
-        return Err(unsupported(extension));
+        return Err(unsupported(&context));
     }
-    let mut warnings = Vec::new();
-    if options.radius.is_some() {
-        let path = path.display();
-        warnings
-            .push(format!("{path}: a radius is for lone PLY and OBJ files, and changes nothing"));
+    if context.options.radius.is_some() {
+        context.warn("a radius is for lone PLY and OBJ files, and changes nothing");
     }
-    let mut file = parse(path, &bytes, &mut warnings)?;
-    older::spell_out(path, &mut file);
-    check::check(path, &file, &mut warnings)?;
-    placements::expand(path, &mut file, options)?;
-    let mut scene = resolve::resolve(path, &file, &mut warnings)?;
-    scene.textures = assets::textures(path, &file, options, &mut warnings)?;
-    scene.shapes = assets::shapes(path, &file, options, &scene.textures, &mut warnings)?;
+    let mut file = parse(&mut context, bytes)?;
+    older::spell_out(&context, &mut file);
+    check::check(&mut context, &file)?;
+    placements::expand(&context, &mut file)?;
+    let mut scene = resolve::resolve(&mut context, &file)?;
+    scene.textures = assets::textures(&mut context, &file)?;
+    scene.shapes = assets::shapes(&mut context, &file, &scene.textures)?;
     if scene.cameras.is_empty() {
         scene.cameras.extend(lone::camera_for(&scene));
     }
-    let files = assets::files(path, &file);
-    Ok(Loaded { scene, warnings, files })
+    let files = assets::files(&context, &file);
+    Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
 /// The JSON, with the path of whatever is wrong in it, and a warning for each unknown field.
-fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<SceneFile, LoadError> {
-    let mut json = serde_json::Deserializer::from_slice(file::text(path, bytes)?);
+fn parse(context: &mut Context<'_>, bytes: &[u8]) -> Result<SceneFile, LoadError> {
+    let text = file::text(bytes).map_err(|problem| context.fail(problem))?;
+    let mut json = serde_json::Deserializer::from_slice(text);
     let mut track = serde_path_to_error::Track::new();
     let tracked = serde_path_to_error::Deserializer::new(&mut json, &mut track);
     let mut unknown = Vec::new();
@@ -109,11 +156,12 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<SceneF
             unknown.push(field);
         }
     });
-    let failed = |field: String, source| LoadError::Json { path: path.to_owned(), field, source };
-    let format::Whole(file) = result.map_err(|source| failed(track.path().to_string(), source))?;
-    json.end().map_err(|source| failed(String::new(), source))?;
-    let warning = |field| format!("{}: unknown field {field} is ignored", path.display());
-    warnings.extend(unknown.into_iter().map(warning));
+    let failed = |field: String, error| context.fail(LoadProblem::Json { field, error });
+    let format::Whole(file) = result.map_err(|error| failed(track.path().to_string(), error))?;
+    json.end().map_err(|error| failed(String::new(), error))?;
+    for field in unknown {
+        context.warn(format_args!("unknown field {field} is ignored"));
+    }
     Ok(file)
 }
 

@@ -2,15 +2,13 @@
 //!
 //! An own reader, for the libraries at hand make triangles of polylines or leave out points.
 
-use super::{error::NamedBy, file, mesh::Mesh};
-use crate::LoadError;
+use super::{error::LoadProblem, file, mesh::Mesh};
 use glam::{Vec2, Vec3};
-use std::{collections::HashMap, path::Path};
+use std::collections::HashMap;
 
 /// Reads all objects of a file into one mesh.
-pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
-    let bytes = file::read(path, named_by)?;
-    let text = String::from_utf8_lossy(file::text(path, &bytes)?);
+pub(super) fn read(bytes: &[u8]) -> Result<Mesh, LoadProblem> {
+    let text = String::from_utf8_lossy(file::text(bytes)?);
     let mut reader = Reader::default();
     let mut begun = String::new();
     // The last line may be said to go on, too.
@@ -21,11 +19,7 @@ pub(super) fn load(path: &Path, named_by: &NamedBy) -> Result<Mesh, LoadError> {
         }
         reader.line_number = number + 1;
         let whole = if begun.is_empty() { line } else { &format!("{begun}{line}") };
-        reader.line(whole).map_err(|problem| LoadError::ObjLine {
-            path: path.to_owned(),
-            line: number + 1,
-            problem,
-        })?;
+        reader.line(whole).map_err(|problem| LoadProblem::ObjLine { line: number + 1, problem })?;
         begun.clear();
     }
     Ok(reader.finish())

@@ -12,31 +12,31 @@
 
 use super::{
     collection::{Collection, Reference},
+    context::Context,
     format::{MaterialFile, MaterialType, SceneFile, ShapeFile, TextureFile},
 };
-use std::{collections::HashSet, path::Path};
+use std::collections::HashSet;
 
 const SHAPES: &[&str] = &["ply", "obj"];
 const TEXTURES: &[&str] = &["hdr", "exr", "png", "jpg"];
 const SEPARATORS: [char; 2] = ['/', '\\'];
 
 /// Says everything as version 4.2 does, except for references by name.
-pub(super) fn spell_out(path: &Path, file: &mut SceneFile) {
-    let folder = path.parent().unwrap_or(Path::new(""));
+pub(super) fn spell_out(context: &Context<'_>, file: &mut SceneFile) {
     file.instances.items.append(&mut file.objects.items);
     for (_, shape) in &mut file.shapes.items {
-        in_folder(folder, "shapes", shape.datafile.take(), &mut shape.uri);
+        in_folder(context, "shapes", shape.datafile.take(), &mut shape.uri);
     }
     for (_, texture) in &mut file.textures.items {
-        in_folder(folder, "textures", texture.datafile.take(), &mut texture.uri);
+        in_folder(context, "textures", texture.datafile.take(), &mut texture.uri);
     }
     for (key, subdiv) in &mut file.subdivs.items {
-        in_folder(folder, "subdivs", subdiv.datafile.take(), &mut subdiv.uri);
+        in_folder(context, "subdivs", subdiv.datafile.take(), &mut subdiv.uri);
         if subdiv.uri.is_none() && subdiv.generator.is_none() {
-            subdiv.uri = find(folder, "subdivs", key.as_ref().unwrap_or(&subdiv.name), SHAPES);
+            subdiv.uri = find(context, "subdivs", key.as_ref().unwrap_or(&subdiv.name), SHAPES);
         }
     }
-    list_what_is_only_named(folder, file);
+    list_what_is_only_named(context, file);
     if file.asset.version.is_null() {
         for (_, material) in file.materials.items.iter_mut().filter(|(_, m)| m.kind.is_none()) {
             material.kind = Some(kind_without_type(material));
@@ -61,13 +61,21 @@ fn kind_without_type(material: &MaterialFile) -> MaterialType {
 
 /// A `uri` for a `datafile`, unless there is one. A lone name of a file that stands only in the folder of
 /// its kind means that file: some converters to version 4.2 left the folder out.
-fn in_folder(folder: &Path, kind: &str, datafile: Option<String>, uri: &mut Option<String>) {
+fn in_folder(
+    context: &Context<'_>,
+    kind: &str,
+    datafile: Option<String>,
+    uri: &mut Option<String>,
+) {
+    let folder = context.folder();
     let inside = |name: &str| format!("{kind}/{name}");
     match (&uri, datafile) {
         (None, Some(name)) => *uri = Some(inside(&name)),
-        (Some(name), _) if !name.contains(SEPARATORS) && !folder.join(name).exists() => {
+        (Some(name), _)
+            if !name.contains(SEPARATORS) && !context.files.exists(&folder.join(name)) =>
+        {
             let moved = inside(name);
-            if folder.join(&moved).is_file() {
+            if context.files.is_file(&folder.join(&moved)) {
                 *uri = Some(moved);
             }
         }
@@ -76,14 +84,14 @@ fn in_folder(folder: &Path, kind: &str, datafile: Option<String>, uri: &mut Opti
 }
 
 /// Adds a shape or texture for each name that nothing in the file has.
-fn list_what_is_only_named(folder: &Path, file: &mut SceneFile) {
+fn list_what_is_only_named(context: &Context<'_>, file: &mut SceneFile) {
     let mut shapes: Vec<_> =
         file.instances.items.iter().filter_map(|(_, instance)| instance.shape.clone()).collect();
     let of_subdivs: Vec<_> =
         file.subdivs.items.iter().filter_map(|(_, subdiv)| subdiv.shape.clone()).collect();
     shapes.extend(of_subdivs.iter().cloned());
     for name in missing(shapes, &file.shapes, |shape| &shape.name) {
-        let uri = find(folder, "shapes", &name, SHAPES);
+        let uri = find(context, "shapes", &name, SHAPES);
         // The shape of a subdivision needs no file of its own.
         if uri.is_some() || of_subdivs.contains(&Reference::Name(name.clone())) {
             let shape = ShapeFile { uri, ..ShapeFile::default() };
@@ -105,7 +113,7 @@ fn list_what_is_only_named(folder: &Path, file: &mut SceneFile) {
         textures.extend(material.normal_tex.clone());
     }
     for name in missing(textures, &file.textures, |texture| &texture.name) {
-        let uri = find(folder, "textures", &name, TEXTURES);
+        let uri = find(context, "textures", &name, TEXTURES);
         if uri.is_some() {
             let texture = TextureFile { uri, ..TextureFile::default() };
             file.textures.items.push((Some(name), texture));
@@ -133,10 +141,10 @@ fn missing<T>(
 }
 
 /// Names with a separator in them are no names of files in a folder.
-fn find(folder: &Path, kind: &str, name: &str, extensions: &[&str]) -> Option<String> {
+fn find(context: &Context<'_>, kind: &str, name: &str, extensions: &[&str]) -> Option<String> {
     if name.is_empty() || name.contains(SEPARATORS) {
         return None;
     }
     let mut candidates = extensions.iter().map(|extension| format!("{kind}/{name}.{extension}"));
-    candidates.find(|uri| folder.join(uri).is_file())
+    candidates.find(|uri| context.files.is_file(&context.folder().join(uri)))
 }

@@ -1,22 +1,17 @@
 //! Instances by the hundred: version 4.0 of the format lets an object name a PLY file of frames.
 
 use super::{
-    LoadOptions, check,
-    error::NamedBy,
-    file,
+    check,
+    context::Context,
+    error::LoadError,
+    file::Opened,
     format::{Frame, InstanceFile, SceneFile},
     ply,
 };
-use crate::LoadError;
-use std::{io::BufReader, path::Path};
 
-/// Makes of each instance that names a file of frames as many instances as there are frames in it: the
-/// frame of the file after its own.
-pub(super) fn expand(
-    scene: &Path,
-    file: &mut SceneFile,
-    options: &LoadOptions,
-) -> Result<(), LoadError> {
+/// Replaces each instance that names a file of frames by one instance for each frame in it: the frame of
+/// the file after its own.
+pub(super) fn expand(context: &Context<'_>, file: &mut SceneFile) -> Result<(), LoadError> {
     let mut expanded = Vec::new();
     for (i, (key, instance)) in std::mem::take(&mut file.instances.items).into_iter().enumerate() {
         let Some(name) = instance.instance.as_ref().filter(|name| !name.is_empty()) else {
@@ -24,15 +19,18 @@ pub(super) fn expand(
             continue;
         };
         let field = format!("instances[{i}].instance");
-        let uri = format!("instances/{name}.ply");
-        let path = file::resolve(scene, &field, &uri, options.allow_outside_folder)?;
-        let (opened, length) = file::open(&path, &NamedBy(Some((scene.to_owned(), field))))?;
-        let frames = ply::read_frames(&path, BufReader::new(opened), length)?;
+        let of_frames = context.locate(field, &format!("instances/{name}.ply"))?;
+        let frames = match context.files.open(&of_frames)? {
+            Opened::Disk(reader, length) => ply::read_frames(reader, length),
+            Opened::Memory(bytes) => ply::read_frames(&*bytes, bytes.len() as u64),
+        };
+        let frames = frames.map_err(|problem| of_frames.fail(problem))?;
         let own = instance.lookat.map_or(instance.frame.0, |lookat| lookat.frame());
         let base = key.as_ref().unwrap_or(&instance.name);
         for (k, frame) in frames.into_iter().enumerate() {
             let frame = Frame(frame * own);
-            check::frame(&path, || format!("instance {k}"), frame)?;
+            check::frame(format!("instance {k}"), frame)
+                .map_err(|problem| of_frames.fail(problem))?;
             expanded.push((
                 Some(format!("{base}_{k}")),
                 InstanceFile {

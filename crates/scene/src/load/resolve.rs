@@ -2,20 +2,30 @@
 
 use super::{
     collection::{Collection, Reference},
+    context::Context,
+    error::{LoadError, LoadProblem},
     format::{MaterialFile, MaterialType, SceneFile, SubdivFile},
 };
-use crate::{Camera, Environment, Instance, LoadError, Material, MaterialKind, Scene};
-use std::{collections::HashMap, path::Path};
+use crate::{Camera, Environment, Instance, Material, MaterialKind, Scene};
+use std::collections::HashMap;
 
 /// Everything but textures and shapes, whose files are yet to be read.
-pub(super) fn resolve(
-    path: &Path,
-    file: &SceneFile,
-    warnings: &mut Vec<String>,
-) -> Result<Scene, LoadError> {
-    let textures = Names::new(path, "textures", &file.textures, |texture| &texture.name);
-    let materials = Names::new(path, "materials", &file.materials, |material| &material.name);
-    let shapes = Names::new(path, "shapes", &file.shapes, |shape| &shape.name);
+pub(super) fn resolve(context: &mut Context<'_>, file: &SceneFile) -> Result<Scene, LoadError> {
+    for (i, (_, material)) in file.materials.items.iter().enumerate() {
+        if material.kind == Some(MaterialType::GltfPbr) {
+            let name = if material.metallic < 0.5 { "glossy" } else { "reflective" };
+            context.warn(format_args!(
+                "materials[{i}].type is gltfpbr, which is not supported: taken as {name}"
+            ));
+        }
+    }
+    references(file).map_err(|problem| context.fail(problem))
+}
+
+fn references(file: &SceneFile) -> Result<Scene, LoadProblem> {
+    let textures = Names::new("textures", &file.textures, |texture| &texture.name);
+    let materials = Names::new("materials", &file.materials, |material| &material.name);
+    let shapes = Names::new("shapes", &file.shapes, |shape| &shape.name);
     let mut scene = Scene::default();
     for (key, camera) in &file.cameras.items {
         let default = Camera::default();
@@ -54,14 +64,14 @@ pub(super) fn resolve(
         };
         scene.materials.push(Material {
             name: key.clone().unwrap_or_else(|| material.name.clone()),
-            kind: kind(path, i, material, warnings),
+            kind: kind(material),
             emission: material.emission.into(),
             color: material.color.into(),
             roughness: material.roughness,
             ior: material.ior,
             trdepth: material.trdepth,
-            scattering: material.scattering.into(),
-            scanisotropy: material.scanisotropy,
+            albedo: material.scattering.into(),
+            anisotropy: material.scanisotropy,
             opacity: material.opacity,
             emission_tex: texture("emission_tex", &material.emission_tex)?,
             color_tex: texture("color_tex", &material.color_tex)?,
@@ -82,12 +92,7 @@ pub(super) fn resolve(
     Ok(scene)
 }
 
-fn kind(
-    path: &Path,
-    i: usize,
-    material: &MaterialFile,
-    warnings: &mut Vec<String>,
-) -> MaterialKind {
+fn kind(material: &MaterialFile) -> MaterialKind {
     match material.kind.unwrap_or_default() {
         MaterialType::Matte => MaterialKind::Matte,
         MaterialType::Glossy => MaterialKind::Glossy,
@@ -96,18 +101,8 @@ fn kind(
         MaterialType::Refractive | MaterialType::Subsurface => MaterialKind::Refractive,
         MaterialType::Transparent => MaterialKind::Transparent,
         MaterialType::Volumetric => MaterialKind::Volumetric,
-        MaterialType::GltfPbr => {
-            let (kind, name) = if material.metallic < 0.5 {
-                (MaterialKind::Glossy, "glossy")
-            } else {
-                (MaterialKind::Reflective, "reflective")
-            };
-            warnings.push(format!(
-                "{}: materials[{i}].type is gltfpbr, which is not supported: taken as {name}",
-                path.display()
-            ));
-            kind
-        }
+        MaterialType::GltfPbr if material.metallic < 0.5 => MaterialKind::Glossy,
+        MaterialType::GltfPbr => MaterialKind::Reflective,
     }
 }
 
@@ -120,9 +115,9 @@ pub(super) struct SubdivReferences {
 }
 
 /// One for each subdivision, in order.
-pub(super) fn subdivs(path: &Path, file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadError> {
-    let textures = Names::new(path, "textures", &file.textures, |texture| &texture.name);
-    let shapes = Names::new(path, "shapes", &file.shapes, |shape| &shape.name);
+pub(super) fn subdivs(file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadProblem> {
+    let textures = Names::new("textures", &file.textures, |texture| &texture.name);
+    let shapes = Names::new("shapes", &file.shapes, |shape| &shape.name);
     let resolve = |(i, (_, subdiv)): (usize, &(Option<String>, SubdivFile))| {
         Ok(SubdivReferences {
             shape: shapes.required(&|| format!("subdivs[{i}].shape"), subdiv.shape.as_ref())?,
@@ -137,7 +132,6 @@ pub(super) fn subdivs(path: &Path, file: &SceneFile) -> Result<Vec<SubdivReferen
 
 /// The items of one array, for references into it.
 struct Names<'a> {
-    path: &'a Path,
     what: &'static str,
     count: usize,
     by_name: HashMap<&'a str, u32>,
@@ -145,7 +139,6 @@ struct Names<'a> {
 
 impl<'a> Names<'a> {
     fn new<T>(
-        path: &'a Path,
         what: &'static str,
         collection: &'a Collection<T>,
         name: impl Fn(&'a T) -> &'a String,
@@ -155,18 +148,17 @@ impl<'a> Names<'a> {
             // The first of two items with one name counts.
             by_name.entry(key.as_ref().unwrap_or_else(|| name(item)).as_str()).or_insert(i);
         }
-        Self { path, what, count: collection.items.len(), by_name }
+        Self { what, count: collection.items.len(), by_name }
     }
 
     fn required(
         &self,
         field: &dyn Fn() -> String,
         reference: Option<&Reference>,
-    ) -> Result<u32, LoadError> {
+    ) -> Result<u32, LoadProblem> {
         match reference {
             Some(reference) => self.find(field, reference),
-            None => Err(LoadError::Value {
-                path: self.path.to_owned(),
+            None => Err(LoadProblem::Value {
                 field: field(),
                 value: "missing".to_owned(),
                 expected: "an index or a name",
@@ -178,7 +170,7 @@ impl<'a> Names<'a> {
         &self,
         field: &dyn Fn() -> String,
         reference: Option<&Reference>,
-    ) -> Result<Option<u32>, LoadError> {
+    ) -> Result<Option<u32>, LoadProblem> {
         match reference {
             None => Ok(None),
             Some(Reference::Index(-1)) => Ok(None),
@@ -187,26 +179,20 @@ impl<'a> Names<'a> {
         }
     }
 
-    fn find(&self, field: &dyn Fn() -> String, reference: &Reference) -> Result<u32, LoadError> {
+    fn find(&self, field: &dyn Fn() -> String, reference: &Reference) -> Result<u32, LoadProblem> {
         match reference {
             Reference::Index(index) => match u32::try_from(*index) {
                 Ok(found) if (found as usize) < self.count => Ok(found),
-                _ => Err(LoadError::IndexOutOfRange {
-                    path: self.path.to_owned(),
+                _ => Err(LoadProblem::IndexOutOfRange {
                     field: field(),
                     value: *index,
                     what: self.what,
                     count: self.count,
                 }),
             },
-            Reference::Name(name) => {
-                self.by_name.get(name.as_str()).copied().ok_or_else(|| LoadError::UnknownName {
-                    path: self.path.to_owned(),
-                    field: field(),
-                    name: name.clone(),
-                    what: self.what,
-                })
-            }
+            Reference::Name(name) => self.by_name.get(name.as_str()).copied().ok_or_else(|| {
+                LoadProblem::UnknownName { field: field(), name: name.clone(), what: self.what }
+            }),
         }
     }
 }

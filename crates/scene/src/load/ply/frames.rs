@@ -1,9 +1,9 @@
 //! The frames of instances in a PLY file.
 
 use super::{header, input::Input, rows::Rows};
-use crate::LoadError;
+use crate::load::error::LoadProblem;
 use glam::Affine3A;
-use std::{io::BufRead, path::Path};
+use std::io::BufRead;
 
 /// The axes x, y and z, and the origin.
 const COLUMNS: [&str; 12] =
@@ -11,11 +11,10 @@ const COLUMNS: [&str; 12] =
 
 /// Reads the element `instance`, of twelve numbers each.
 pub(in crate::load) fn read_frames<R: BufRead>(
-    path: &Path,
     reader: R,
     length: u64,
-) -> Result<Vec<Affine3A>, LoadError> {
-    let mut input = Input::new(path.to_owned(), reader, length);
+) -> Result<Vec<Affine3A>, LoadProblem> {
+    let mut input = Input::new(reader, length);
     let header = header::read(&mut input)?;
     let mut frames = Vec::new();
     let mut found = false;
@@ -35,8 +34,7 @@ pub(in crate::load) fn read_frames<R: BufRead>(
     if found {
         return Ok(frames);
     }
-    Err(LoadError::PlyHeader {
-        path: path.to_owned(),
+    Err(LoadProblem::PlyHeader {
         line: 1,
         problem: format!("no element instance with the properties {}", COLUMNS.join(" ")),
     })

@@ -1,7 +1,7 @@
 //! The header of a PLY file: which elements follow, and how they are written.
 
 use super::input::Input;
-use crate::LoadError;
+use crate::load::error::LoadProblem;
 use std::io::BufRead;
 
 /// How numbers are written.
@@ -114,16 +114,13 @@ pub(super) struct Header {
 const LONGEST_LINE: usize = 4096;
 
 /// Reads up to the line `end_header`, which it consumes.
-pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadError> {
-    let path = input.path.clone();
+pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProblem> {
     let mut line_number = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     loop {
         line_number += 1;
-        let fail = |problem: String| {
-            Err(LoadError::PlyHeader { path: path.clone(), line: line_number, problem })
-        };
+        let fail = |problem: String| Err(LoadProblem::PlyHeader { line: line_number, problem });
         let Some(bytes) = input.line(LONGEST_LINE)? else {
             return fail("not found: the header has no end, so this is no PLY file".to_owned());
         };
@@ -166,8 +163,7 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadError
     }
     match encoding {
         Some(encoding) => Ok(Header { encoding, elements }),
-        None => Err(LoadError::PlyHeader {
-            path,
+        None => Err(LoadProblem::PlyHeader {
             line: line_number,
             problem: "no line said the format".to_owned(),
         }),

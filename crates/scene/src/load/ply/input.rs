@@ -1,27 +1,22 @@
 //! Bytes and words of a file whose length is known, and never asks for memory beyond it.
 
-use crate::{LoadError, load::error::NamedBy};
-use std::{
-    io::{self, BufRead},
-    path::PathBuf,
-};
+use crate::load::error::LoadProblem;
+use std::io::{self, BufRead};
 
 pub(super) struct Input<R> {
-    /// For messages.
-    pub path: PathBuf,
     /// Bytes that the file still has, if its length was told rightly.
     pub remaining: u64,
     reader: R,
 }
 
 impl<R: BufRead> Input<R> {
-    pub(super) fn new(path: PathBuf, reader: R, length: u64) -> Self {
-        Self { path, remaining: length, reader }
+    pub(super) fn new(reader: R, length: u64) -> Self {
+        Self { remaining: length, reader }
     }
 
     /// The next line without its end, or `None` if the file ends first or the line is longer than
     /// `longest`.
-    pub(super) fn line(&mut self, longest: usize) -> Result<Option<Vec<u8>>, LoadError> {
+    pub(super) fn line(&mut self, longest: usize) -> Result<Option<Vec<u8>>, LoadProblem> {
         let mut line = Vec::new();
         loop {
             let Some(byte) = self.byte()? else { return Ok(None) };
@@ -34,22 +29,22 @@ impl<R: BufRead> Input<R> {
     }
 
     /// Fills `bytes`, or says that the file ends first.
-    pub(super) fn bytes(&mut self, bytes: &mut [u8]) -> Result<bool, LoadError> {
+    pub(super) fn bytes(&mut self, bytes: &mut [u8]) -> Result<bool, LoadProblem> {
         match self.reader.read_exact(bytes) {
             Ok(()) => {
                 self.remaining = self.remaining.saturating_sub(bytes.len() as u64);
                 Ok(true)
             }
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
-            Err(error) => Err(self.failed(error)),
+            Err(error) => Err(LoadProblem::Read { error }),
         }
     }
 
     /// The bytes that need no more reading; empty if the file ends.
-    pub(super) fn at_hand(&mut self) -> Result<&[u8], LoadError> {
+    pub(super) fn at_hand(&mut self) -> Result<&[u8], LoadProblem> {
         while let Err(error) = self.reader.fill_buf() {
             if error.kind() != io::ErrorKind::Interrupted {
-                return Err(self.failed(error));
+                return Err(LoadProblem::Read { error });
             }
         }
         // Full already, so this does not fail.
@@ -64,7 +59,7 @@ impl<R: BufRead> Input<R> {
 
     /// The next word between white space into `word`, or says that the file ends first. No number
     /// is longer than `word` may grow, so a longer word is cut.
-    pub(super) fn word(&mut self, word: &mut String) -> Result<bool, LoadError> {
+    pub(super) fn word(&mut self, word: &mut String) -> Result<bool, LoadProblem> {
         const LONGEST: usize = 400;
         word.clear();
         loop {
@@ -81,15 +76,11 @@ impl<R: BufRead> Input<R> {
         }
     }
 
-    fn byte(&mut self) -> Result<Option<u8>, LoadError> {
+    fn byte(&mut self) -> Result<Option<u8>, LoadProblem> {
         let byte = self.at_hand()?.first().copied();
         if byte.is_some() {
             self.consume(1);
         }
         Ok(byte)
-    }
-
-    fn failed(&self, source: io::Error) -> LoadError {
-        LoadError::Read { path: self.path.clone(), named_by: NamedBy::default(), source }
     }
 }

@@ -16,32 +16,23 @@ mod vertices;
 
 pub(super) use frames::read_frames;
 
-use super::mesh::Mesh;
-use crate::LoadError;
+use super::{error::LoadProblem, mesh::Mesh};
 use header::{Element, Encoding};
 use input::Input;
 use rows::Rows;
-use std::{
-    io::BufRead,
-    path::{Path, PathBuf},
-};
+use std::io::BufRead;
 
-/// Reads a mesh from `reader`, which holds `length` bytes; `path` is for messages.
+/// Reads a mesh from `reader`, which holds `length` bytes.
 ///
 /// Memory grows with what was read, never with what a header claims.
-pub(crate) fn read<R: BufRead + Send>(
-    path: &Path,
-    reader: R,
-    length: u64,
-) -> Result<Mesh, LoadError> {
-    let mut input = Input::new(PathBuf::from(path), reader, length);
+pub(crate) fn read<R: BufRead + Send>(reader: R, length: u64) -> Result<Mesh, LoadProblem> {
+    let mut input = Input::new(reader, length);
     let header = header::read(&mut input)?;
     let mut mesh = Mesh::default();
     let is_vertex = |element: &&Element| element.name == "vertex";
     let vertices = header.elements.iter().find(is_vertex).map_or(0, |element| element.count);
     if header.elements.iter().filter(is_vertex).count() > 1 {
-        return Err(LoadError::PlyHeader {
-            path: input.path,
+        return Err(LoadProblem::PlyHeader {
             line: 1,
             problem: "more than one element is called vertex".to_owned(),
         });
@@ -68,13 +59,16 @@ pub(crate) fn read<R: BufRead + Send>(
 const VERTICES: &[&str] = &["vertex_indices", "vertex_index"];
 
 /// Refuses counts that the rest of the file cannot hold, before anything is allocated for them.
-fn check_size<R>(input: &Input<R>, element: &Element, encoding: Encoding) -> Result<(), LoadError> {
+fn check_size<R>(
+    input: &Input<R>,
+    element: &Element,
+    encoding: Encoding,
+) -> Result<(), LoadProblem> {
     let least = element.least_size(encoding);
     // The last word of an ASCII file needs no separator.
     let available = input.remaining + u64::from(encoding == Encoding::Ascii);
     if least > 0 && element.count > available / least {
-        return Err(LoadError::Truncated {
-            path: input.path.clone(),
+        return Err(LoadProblem::Truncated {
             element: element.name.clone(),
             index: available / least,
             count: element.count,

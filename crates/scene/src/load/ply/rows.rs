@@ -4,7 +4,7 @@ use super::{
     header::{Element, Encoding, Property, Type},
     input::Input,
 };
-use crate::LoadError;
+use crate::load::error::LoadProblem;
 use std::io::BufRead;
 
 /// The rows of one element, not yet read.
@@ -50,7 +50,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
     }
 
     /// Passes over all rows.
-    pub(super) fn skip(&mut self) -> Result<(), LoadError> {
+    pub(super) fn skip(&mut self) -> Result<(), LoadProblem> {
         match self.row_size() {
             Some(_) => self.blocks().try_for_each(|block| block.map(drop)),
             None => self.for_each_row::<0>(&vec![None; self.element.properties.len()], |_| {}),
@@ -67,7 +67,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
 
     /// The bytes of all rows, [`ROWS`] in each block but the last; none unless there is a
     /// [`Rows::row_size`].
-    pub(super) fn blocks(&mut self) -> impl Iterator<Item = Result<Vec<u8>, LoadError>> {
+    pub(super) fn blocks(&mut self) -> impl Iterator<Item = Result<Vec<u8>, LoadProblem>> {
         let size = self.row_size().unwrap_or(0);
         let count = if size == 0 { 0 } else { self.element.count };
         (0..count).step_by(ROWS).map(move |first| {
@@ -83,7 +83,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         &mut self,
         columns: &[Option<usize>],
         mut each: impl FnMut(&[f32; N]),
-    ) -> Result<(), LoadError> {
+    ) -> Result<(), LoadProblem> {
         let element = self.element;
         if element.properties.is_empty() {
             // Rows of nothing, in whatever number.
@@ -113,20 +113,19 @@ impl<'a, R: BufRead> Rows<'a, R> {
         names: &[&str],
         least: usize,
         mut each: impl FnMut(&[u32]),
-    ) -> Result<(), LoadError> {
+    ) -> Result<(), LoadProblem> {
         let element = self.element;
         let found = element.properties.iter().position(|property| {
             property.count.is_some() && names.contains(&property.name.as_str())
         });
         let Some(found) = found else { return self.skip() };
-        let (vertices, path) = (self.vertices, self.input.path.clone());
+        let vertices = self.vertices;
         let mut each = |index: u64, list: &[u32]| {
             if list.len() >= least {
                 each(list);
                 return Ok(());
             }
-            Err(LoadError::ElementValue {
-                path: path.clone(),
+            Err(LoadProblem::ElementValue {
                 element: element.name.clone(),
                 index,
                 property: element.properties[found].name.clone(),
@@ -139,8 +138,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
             if value.fract() == 0.0 && (0.0..4_294_967_295.0).contains(&value) {
                 return Ok(value as u32);
             }
-            Err(LoadError::VertexOutOfRange {
-                path: path.clone(),
+            Err(LoadProblem::VertexOutOfRange {
                 element: element.name.clone(),
                 index,
                 vertex: value as i64,
@@ -196,12 +194,11 @@ impl<'a, R: BufRead> Rows<'a, R> {
         &mut self,
         property: &Property,
         index: u64,
-        mut each: impl FnMut(f64) -> Result<(), LoadError>,
-    ) -> Result<(), LoadError> {
+        mut each: impl FnMut(f64) -> Result<(), LoadProblem>,
+    ) -> Result<(), LoadProblem> {
         let count = self.number(property, property.count.unwrap_or(Type::U8), index)?;
         if !(count >= 0.0 && count.fract() == 0.0) {
-            return Err(LoadError::ElementValue {
-                path: self.input.path.clone(),
+            return Err(LoadProblem::ElementValue {
                 element: self.element.name.clone(),
                 index,
                 property: property.name.clone(),
@@ -232,7 +229,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         Ok(())
     }
 
-    fn number(&mut self, property: &Property, item: Type, index: u64) -> Result<f64, LoadError> {
+    fn number(&mut self, property: &Property, item: Type, index: u64) -> Result<f64, LoadProblem> {
         if self.encoding != Encoding::Ascii {
             let mut bytes = [0; 8];
             let bytes = &mut bytes[..item.size()];
@@ -244,8 +241,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         if !self.input.word(&mut self.word)? {
             return Err(self.truncated(index));
         }
-        self.word.parse().map_err(|_| LoadError::ElementValue {
-            path: self.input.path.clone(),
+        self.word.parse().map_err(|_| LoadProblem::ElementValue {
             element: self.element.name.clone(),
             index,
             property: property.name.clone(),
@@ -254,9 +250,8 @@ impl<'a, R: BufRead> Rows<'a, R> {
         })
     }
 
-    fn truncated(&self, index: u64) -> LoadError {
-        LoadError::Truncated {
-            path: self.input.path.clone(),
+    fn truncated(&self, index: u64) -> LoadProblem {
+        LoadProblem::Truncated {
             element: self.element.name.clone(),
             index,
             count: self.element.count,

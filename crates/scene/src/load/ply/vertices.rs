@@ -5,14 +5,13 @@ use super::{
     rows::{ROWS, Rows, array, decode_column},
 };
 use crate::{
-    LoadError,
-    load::mesh::Mesh,
-    texture::{LINEAR_FROM_SRGB, linear_from_srgb},
+    load::{error::LoadProblem, mesh::Mesh},
     validate::{is_color, is_radius},
 };
 use bytemuck::zeroed_vec;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
+use rotund_image::{linear_from_srgb, linear_from_srgb_table};
 use std::{
     io::BufRead,
     slice::ChunksMut,
@@ -52,11 +51,10 @@ const RADIUS: usize = 12;
 pub(super) fn read<R: BufRead + Send>(
     rows: &mut Rows<'_, R>,
     mesh: &mut Mesh,
-) -> Result<(), LoadError> {
+) -> Result<(), LoadProblem> {
     let layout = Layout::new(rows);
     if !layout.has(POSITION, 3) {
-        return Err(LoadError::PlyHeader {
-            path: rows.input.path.clone(),
+        return Err(LoadProblem::PlyHeader {
             line: 1,
             problem: "the vertices have no properties x, y and z".to_owned(),
         });
@@ -184,7 +182,7 @@ impl Layout {
             match integer {
                 _ if i == ALPHA => column.iter_mut().for_each(|value| *value /= integer.one()),
                 Type::U8 => {
-                    let linear = &*LINEAR_FROM_SRGB;
+                    let linear = linear_from_srgb_table();
                     column.iter_mut().for_each(|value| *value = linear[*value as usize % 256]);
                 }
                 _ => column
