@@ -166,7 +166,7 @@ fn hard_cases() {
         assert_eq!(patch.closest(&ray).map(|hit| hit.t), t, "{why}");
         assert_eq!(patch.any(&ray), t.is_some(), "{why}");
     }
-    // z = -x y / 2 and z = 3/32 meet in x y = -3/16: on y = x + 1 that is x = -3/4 and x = -1/4.
+    // z = -x y / 2 is 3/32 where x y = -3/16; on y = x + 1 these are x = -3/4 and x = -1/4.
     let t = |ray: Ray| SADDLE.closest(&ray).map(|hit| hit.t);
     assert_eq!(t(double), Some(1.25));
     assert_eq!(t(Ray { t_min: 1.5, ..double }), Some(1.75));

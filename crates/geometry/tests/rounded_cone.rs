@@ -9,8 +9,8 @@ use support::{Random, Wide, Wide3, at, dot, local_unit, minus, ray, rounding_int
 const FAT: RoundedCone =
     RoundedCone { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::new(0.0, 0.0, 3.0), r1: 0.5 };
 
-/// Returns the signed distance of `x`: the minimum of `|x - c(s)| - r(s)` over the balls `0 <= s <=
-/// 1`.
+/// Returns the signed distance of `x`: the minimum of `|x - c(s)| - r(s)` over the balls
+/// `0 <= s <= 1`.
 ///
 /// The minimiser is computed in `f64`. Near a minimum the value depends on the square of the error
 /// of `s`, so it has the digits of [`Wide`].

@@ -3,7 +3,7 @@
 use crate::surface::{Probe, Surface};
 use glam::{DVec3, Vec2};
 use rotund_bvh::Isa;
-use rotund_image::Picture;
+use rotund_image::Image;
 use rotund_scene::{Scene, SceneError, Trees};
 use rotund_trace::{Lights, Options, RenderError, Sequence, World};
 
@@ -136,9 +136,9 @@ impl Moments {
     }
 
     /// The mean as a picture.
-    pub fn picture(&self) -> Picture {
-        let pixels = self.mean.iter().map(|mean| mean.as_vec3()).collect();
-        Picture { width: self.width, height: self.height, pixels }
+    pub fn picture(&self) -> Image {
+        let pixels = self.mean.iter().map(|mean| mean.as_vec3().extend(1.0).to_array()).collect();
+        Image { width: self.width as u32, height: self.height as u32, pixels }
     }
 }
 

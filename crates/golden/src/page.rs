@@ -3,19 +3,16 @@
 use crate::surface::Surface;
 use crate::verdict::Verdict;
 use anyhow::Result;
-use base64::Engine as _;
-use image::codecs::png::PngEncoder;
-use image::{Rgb, RgbImage};
-use rotund_image::Picture;
-use rotund_image::{color::srgb_bytes, maps};
+use rotund_image::{Image, maps};
+use rotund_report::embed::exact;
 use std::fmt::Write as _;
 
 /// A picture that differs from its reference.
 #[derive(Debug)]
 pub struct Failure {
     pub name: String,
-    pub expected: Picture,
-    pub actual: Picture,
+    pub expected: Image,
+    pub actual: Image,
     /// What is seen without light, expected and actual, if that differs.
     pub surfaces: Option<[Surface; 2]>,
     pub verdict: Verdict,
@@ -65,8 +62,8 @@ pub fn page(failures: &[Failure]) -> Result<String> {
         let difference = &failure.verdict.difference;
         let range = maps::signed_range(&difference.signed);
         let mut figures = vec![
-            ("Expected".to_owned(), shown(&failure.expected)),
-            ("Actual".to_owned(), shown(&failure.actual)),
+            ("Expected".to_owned(), failure.expected.clone()),
+            ("Actual".to_owned(), failure.actual.clone()),
             (
                 format!("Lighter (red) and darker (blue) than expected, up to {range}"),
                 maps::signed(&difference.signed, range),
@@ -87,7 +84,7 @@ pub fn page(failures: &[Failure]) -> Result<String> {
             figures.push((caption.to_owned(), differing(expected, actual)));
         }
         for (caption, image) in figures {
-            let (width, height, source) = (image.width(), image.height(), data_uri(&image)?);
+            let (width, height, source) = (image.width, image.height, exact(&image)?);
             writeln!(
                 html,
                 "<figure><img width=\"{width}\" height=\"{height}\" alt=\"{caption}\" \
@@ -100,33 +97,20 @@ pub fn page(failures: &[Failure]) -> Result<String> {
     Ok(html)
 }
 
-fn shown(picture: &Picture) -> RgbImage {
-    RgbImage::from_fn(picture.width as u32, picture.height as u32, |x, y| {
-        Rgb(srgb_bytes(picture.pixels[y as usize * picture.width + x as usize]))
-    })
-}
-
 /// Normals as colours: x is red, y green, z blue, and zero a middle grey.
-fn normals(surface: &Surface) -> RgbImage {
-    RgbImage::from_fn(surface.width as u32, surface.height as u32, |x, y| {
+fn normals(surface: &Surface) -> Image {
+    Image::from_srgb_fn(surface.width as u32, surface.height as u32, |x, y| {
         let normal = surface.normal(y as usize * surface.width + x as usize);
-        Rgb((127.5 * (normal + 1.0)).to_array().map(|channel| channel as u8))
+        (127.5 * (normal + 1.0)).to_array().map(|channel| channel as u8)
     })
 }
 
 /// Pixels that differ in white on black.
-fn differing(expected: &Surface, actual: &Surface) -> RgbImage {
-    RgbImage::from_fn(actual.width as u32, actual.height as u32, |x, y| {
+fn differing(expected: &Surface, actual: &Surface) -> Image {
+    Image::from_srgb_fn(actual.width as u32, actual.height as u32, |x, y| {
         let differs = actual.differs_at(expected, y as usize * actual.width + x as usize);
-        Rgb([if differs { 255 } else { 0 }; 3])
+        [if differs { 255 } else { 0 }; 3]
     })
-}
-
-fn data_uri(image: &RgbImage) -> Result<String> {
-    let mut png = Vec::new();
-    image.write_with_encoder(PngEncoder::new(&mut png))?;
-    let text = base64::engine::general_purpose::STANDARD.encode(png);
-    Ok(format!("data:image/png;base64,{text}"))
 }
 
 fn escape(text: &str) -> String {

@@ -172,7 +172,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.exr");
         let image = rotund_trace::Image { width: 1, height: 1, pixels: vec![[0.5; 4]] };
-        output::write_image(&path, &image).unwrap();
+        image.write(&path).unwrap();
         let error = format!("{:#}", Reference::read(&path).unwrap_err());
         assert!(error.contains("picture.exr is not a reference"), "{error}");
         std::fs::write(&path, b"no picture at all").unwrap();

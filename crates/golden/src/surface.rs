@@ -18,7 +18,6 @@
 use crate::verdict::{Check, Finding};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{Camera, Scene, Trees};
 use std::f32::consts::TAU;
 
@@ -115,7 +114,7 @@ impl Probe {
         let mut crossings = 1;
         let mut hit = first;
         while crossings < MOST_CROSSINGS {
-            ray.origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
+            ray.origin = hit.spawn(ray.direction).origin;
             let Some(next) = trees.closest(scene, &ray) else { break };
             (hit, crossings) = (next, crossings + 1);
         }
@@ -124,11 +123,10 @@ impl Probe {
             let side = first.normal.dot(direction) * first.normal.dot(ray.direction);
             if side > 0.0 { -direction } else { direction }
         };
-        let origin = leave_surface(first.position, first.error, first.normal, away);
         let material = scene.eval_material(first.instance, first.element, first.uv);
         Self {
             crossings,
-            escapes: !trees.any(scene, &Ray::new(origin, away)),
+            escapes: !trees.any(scene, &first.spawn(away)),
             depth: first.t,
             normal: scene.shading_normal(&first, -ray.direction),
             texcoord: scene.eval_texcoord(first.instance, first.element, first.uv),

@@ -10,8 +10,7 @@ use crate::kinds::enhance;
 use crate::output::{check_file, write_text};
 use crate::shot::{PictureArgs, take_on};
 use anyhow::{Result, bail};
-use rotund_image::Picture;
-use rotund_image::metrics::noise;
+use rotund_image::{Image, trimmed_relative_error};
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
 use rotund_trace::{Film, Options, Sequence, World};
@@ -52,9 +51,9 @@ struct Reading {
 
 pub(crate) fn run(args: Args) -> Result<()> {
     check_file(&args.out)?;
-    let reference = Picture::read(&args.reference)?;
+    let reference = Image::read(&args.reference)?;
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
-    let size = (options.width as usize, options.height as usize);
+    let size = (options.width, options.height);
     if size != (reference.width, reference.height) {
         bail!(
             "{} is {} x {}, the picture {} x {}",
@@ -75,6 +74,9 @@ pub(crate) fn run(args: Args) -> Result<()> {
         let options = Options { sequence, ..options.clone() };
         let mut readings: Vec<Reading> = Vec::new();
         let (start, mut reading_time) = (Instant::now(), Duration::ZERO);
+        // The sizes agree; a film without a finite pixel has no error that could be drawn.
+        let noise =
+            |film: &Film| trimmed_relative_error(&film.image(), &reference).unwrap_or(f64::NAN);
         let mut read = |film: &Film| {
             let now = start.elapsed();
             // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number
@@ -84,7 +86,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
                 readings.push(Reading {
                     samples: film.samples(),
                     seconds: (now - reading_time).as_secs_f64(),
-                    noise: noise(&Picture::from(&film.image()), &reference),
+                    noise: noise(film),
                 });
             }
             reading_time += start.elapsed() - now;

@@ -38,10 +38,12 @@ pub struct Material {
     pub ior: f32,
     /// Depth in meters at which `color` is what remains of the light inside a solid or cloud.
     pub trdepth: f32,
-    /// The share of what is lost inside that is scattered rather than absorbed.
-    pub scattering: Vec3,
-    /// Mean cosine of the angle of scattering inside, `-1.0..1.0`: above zero it goes on forwards.
-    pub scanisotropy: f32,
+    /// Single-scattering albedo of the medium inside: the fraction of the extinguished light that is
+    /// scattered rather than absorbed. Scene files call it `scattering`.
+    pub albedo: Vec3,
+    /// Mean cosine of the scattering angle inside, strictly between -1 and 1; positive is forward
+    /// scattering. Scene files call it `scanisotropy`.
+    pub anisotropy: f32,
     /// Probability that the surface is there at all.
     pub opacity: f32,
     /// Scales emission.
@@ -50,7 +52,7 @@ pub struct Material {
     pub color_tex: Option<u32>,
     /// Its green scales roughness.
     pub roughness_tex: Option<u32>,
-    /// Scales what is scattered inside, by what it is where light enters.
+    /// Scales [`Material::albedo`], by its color where light enters the medium.
     pub scattering_tex: Option<u32>,
     /// A normal map.
     pub normal_tex: Option<u32>,
@@ -66,8 +68,8 @@ impl Default for Material {
             roughness: 0.0,
             ior: 1.5,
             trdepth: 0.01,
-            scattering: Vec3::ZERO,
-            scanisotropy: 0.0,
+            albedo: Vec3::ZERO,
+            anisotropy: 0.0,
             opacity: 1.0,
             emission_tex: None,
             color_tex: None,
@@ -95,9 +97,9 @@ pub struct MaterialPoint {
     /// Index of refraction of the solid or coat.
     pub ior: f32,
     /// Extinction per meter inside a solid or cloud.
-    pub density: Vec3,
+    pub extinction: Vec3,
     /// Single-scattering albedo inside.
-    pub scattering: Vec3,
-    /// Mean cosine of scattering inside.
-    pub scanisotropy: f32,
+    pub albedo: Vec3,
+    /// Mean cosine of the scattering angle inside.
+    pub anisotropy: f32,
 }

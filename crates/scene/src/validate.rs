@@ -50,9 +50,9 @@ impl Scene {
         number(&item, "roughness", material.roughness, "between 0 and 1", in_unit)?;
         number(&item, "ior", material.ior, POSITIVE, |x| x > 0.0)?;
         number(&item, "trdepth", material.trdepth, POSITIVE, |x| x > 0.0)?;
-        color(&item, "scattering", material.scattering)?;
+        color(&item, "albedo", material.albedo)?;
         let expected = "between -1 and 1, both excluded";
-        number(&item, "scanisotropy", material.scanisotropy, expected, |x| x.abs() < 1.0)?;
+        number(&item, "anisotropy", material.anisotropy, expected, |x| x.abs() < 1.0)?;
         number(&item, "opacity", material.opacity, "between 0 and 1", in_unit)?;
         self.texture_index(&item, "emission_tex", material.emission_tex)?;
         self.texture_index(&item, "color_tex", material.color_tex)?;

@@ -5,7 +5,6 @@ mod support;
 use rotund_geometry::{
     Ray,
     glam::{Affine3A, Vec3},
-    leave_surface,
 };
 use rotund_scene::{MaterialKind, Method, Route, Scene, SceneHit, Trees};
 use support::{Random, frames, ray_at, scene_of, shapes};
@@ -63,8 +62,7 @@ fn a_ray_that_leaves_a_lone_element_never_meets_it_again_if_it_is_convex() {
                 if !outside {
                     continue;
                 }
-                let origin = leave_surface(hit.position, hit.error, hit.normal, direction);
-                let next = Ray::new(origin, direction);
+                let next = hit.spawn(direction);
                 let again = trees.closest(&scene, &next);
                 assert!(
                     again.is_none(),
@@ -96,8 +94,7 @@ fn a_ray_that_enters_a_round_solid_leaves_it_at_the_far_side() {
             if steep > -0.05 {
                 continue;
             }
-            let origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
-            let exit = trees.closest(&scene, &Ray::new(origin, ray.direction));
+            let exit = trees.closest(&scene, &hit.spawn(ray.direction));
             let exit = exit.unwrap_or_else(|| panic!("{name}: no way out after {hit:?}"));
             assert!(exit.normal.dot(ray.direction) > 0.0, "{name}: {hit:?} then {exit:?}");
             crossed += 1;

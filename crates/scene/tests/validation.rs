@@ -83,8 +83,8 @@ fn a_mistake_is_told_with_item_element_and_value() {
             "materials[1]: trdepth is inf, expected a positive number",
         ),
         (
-            |s| s.materials[1].scanisotropy = 1.0,
-            "materials[1]: scanisotropy is 1, expected between -1 and 1, both excluded",
+            |s| s.materials[1].anisotropy = 1.0,
+            "materials[1]: anisotropy is 1, expected between -1 and 1, both excluded",
         ),
         (
             |s| s.materials[1].opacity = f32::NAN,

@@ -206,7 +206,7 @@ fn textures_and_vertex_colours_multiply() {
         color_tex: Some(0),
         emission_tex: Some(0),
         roughness_tex: Some(0),
-        scattering: vec3(0.5, 0.25, 1.0),
+        albedo: vec3(0.5, 0.25, 1.0),
         scattering_tex: Some(1),
         ..scene.materials[0].clone()
     };
@@ -215,7 +215,7 @@ fn textures_and_vertex_colours_multiply() {
     assert_near(point.emission, vec3(1.0, 2.0, 0.5), "emission takes vertex colour as well");
     assert!((point.opacity - 0.5 * 0.2 * 0.5).abs() < 1e-6, "three opacities: {}", point.opacity);
     assert!((point.alpha - 0.25).abs() < 1e-6, "roughness times green: {}", point.alpha);
-    assert_near(point.scattering, vec3(0.5, 0.0, 0.0), "scattering times its texture");
+    assert_near(point.albedo, vec3(0.5, 0.0, 0.0), "scattering times its texture");
 }
 
 #[test]
@@ -224,10 +224,10 @@ fn what_is_left_of_white_after_trdepth_is_the_colour() {
         scene_of(lifted_quad(Method::Vanilla), Affine3A::IDENTITY, MaterialKind::Refractive);
     scene.materials[0].color = vec3(1.0, 0.5, 0.0);
     scene.materials[0].trdepth = 0.1;
-    let density = scene.eval_material(0, 0, Vec2::ZERO).density;
-    let left = (-0.1 * density).exp();
+    let extinction = scene.eval_material(0, 0, Vec2::ZERO).extinction;
+    let left = (-0.1 * extinction).exp();
     assert_near(left, vec3(1.0, 0.5, 1e-4), "black is held at 1e-4");
-    assert!(density.x == 0.0, "white does not absorb");
+    assert!(extinction.x == 0.0, "white does not absorb");
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn is_lit_inside(scene: &Scene) -> bool {
     };
     let lamps = boxes(|material| material.emission != Vec3::ZERO);
     let solids = boxes(|material| {
-        material.kind == MaterialKind::Refractive && material.scattering != Vec3::ZERO
+        material.kind == MaterialKind::Refractive && material.albedo != Vec3::ZERO
     });
     let meet = |a: &Aabb, b: &Aabb| a.min.cmple(b.max).all() && b.min.cmple(a.max).all();
     solids.iter().any(|solid| lamps.iter().any(|lamp| meet(solid, lamp)))

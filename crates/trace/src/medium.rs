@@ -31,9 +31,9 @@ impl Medium {
     /// What is behind a surface of this material.
     pub(crate) fn new(material: &MaterialPoint) -> Self {
         Self {
-            extinction: material.density,
-            albedo: material.scattering,
-            anisotropy: material.scanisotropy,
+            extinction: material.extinction,
+            albedo: material.albedo,
+            anisotropy: material.anisotropy,
             walled: material.kind == MaterialKind::Refractive,
         }
     }

@@ -1,7 +1,7 @@
 //! Surfaces of partial opacity: the first surface of a ray that is present by chance.
 
 use crate::{Sampler, context::Context};
-use rotund_geometry::{Ray, leave_surface};
+use rotund_geometry::Ray;
 use rotund_scene::{MaterialPoint, SceneHit};
 
 /// Largest number of surfaces of partial opacity on one path. It ends paths that would otherwise not.
@@ -23,7 +23,7 @@ impl Context<'_> {
             if material.opacity >= 1.0 || sampler.set(SHEET_SETS + sheet)[0] < material.opacity {
                 return (Some((hit, material)), rays);
             }
-            ray.origin = leave_surface(hit.position, hit.error, hit.normal, ray.direction);
+            ray.origin = hit.spawn(ray.direction).origin;
         }
         (None, u64::from(SHEETS))
     }

@@ -5,7 +5,7 @@ use crate::light::LightSource;
 use crate::medium::{Media, Medium};
 use crate::opacity::SHEETS;
 use glam::Vec3;
-use rotund_geometry::{Ray, leave_surface};
+use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, SceneHit};
 use std::borrow::Cow;
 
@@ -57,7 +57,7 @@ impl Context<'_> {
                 {
                     media.to_mut().cross(hit, incoming, *medium);
                 }
-                leave_surface(hit.position, hit.error, hit.normal, incoming)
+                hit.spawn(incoming).origin
             }
             Departure::Inside(position) => *position,
         };
@@ -82,7 +82,7 @@ impl Context<'_> {
             } else {
                 return (Vec3::ZERO, rays);
             }
-            ray = segment(leave_surface(sheet.position, sheet.error, sheet.normal, incoming));
+            ray = segment(sheet.spawn(incoming).origin);
         }
         (Vec3::ZERO, u64::from(SHEETS))
     }

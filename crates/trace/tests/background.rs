@@ -55,7 +55,7 @@ fn a_clear_cloud_is_transparent_and_a_dense_one_is_not() {
         let cloud = Material {
             kind: MaterialKind::Volumetric,
             color: Vec3::splat(0.5),
-            scattering: Vec3::splat(0.5),
+            albedo: Vec3::splat(0.5),
             trdepth,
             ..Material::default()
         };

@@ -127,8 +127,8 @@ fn milk_that_absorbs_nothing_cannot_be_seen_in_white_light() {
         let milk = &mut in_sky.materials[0];
         milk.color = Vec3::splat(0.3);
         milk.trdepth = 1.0;
-        milk.scattering = Vec3::ONE;
-        milk.scanisotropy = anisotropy;
+        milk.albedo = Vec3::ONE;
+        milk.anisotropy = anisotropy;
         in_sky.environments.push(Environment {
             name: String::new(),
             world_from_environment: Affine3A::IDENTITY,

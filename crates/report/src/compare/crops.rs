@@ -1,6 +1,6 @@
 //! Where two pictures differ most.
 
-use rotund_image::convolve::Plane;
+use rotund_image::Plane;
 
 /// A rectangle of pixels and the mean error in it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,6 @@
 //! How often each value occurs, as a drawing in SVG.
 
-use glam::Vec3;
-use rotund_image::Picture;
-use rotund_image::color::{luminance, srgb_from_linear};
-use rotund_image::convolve::Plane;
+use rotund_image::{Image, Plane, luminance, srgb_from_linear};
 
 const BINS: usize = 64;
 /// Size of the drawing in its own units, and the room below and to the left for numbers.
@@ -12,12 +9,10 @@ const FOOT: f64 = 24.0;
 const SIDE: f64 = 56.0;
 
 /// The lightness of all pixels of two pictures, as a screen shows it, from black to white.
-pub fn of_lightness(vanilla: &Picture, enhanced: &Picture) -> String {
-    let lightness = |picture: &Picture| {
-        count(picture.pixels.iter().map(|&pixel| {
-            let shown = srgb_from_linear(Vec3::splat(luminance(pixel)));
-            f64::from(shown.x)
-        }))
+pub fn of_lightness(vanilla: &Image, enhanced: &Image) -> String {
+    let lightness = |picture: &Image| {
+        let shown = |&pixel| f64::from(srgb_from_linear(luminance(pixel)));
+        count(picture.pixels.iter().map(shown))
     };
     let curves = [("vanilla", lightness(vanilla)), ("enhanced", lightness(enhanced))];
     draw(&curves, ["0", "0.5", "1"])

@@ -1,13 +1,10 @@
 //! `report.html`: two pictures and their difference on one page that needs nothing else.
 
-use anyhow::Result;
+use crate::embed;
 use crops::Crop;
-use rotund_image::Picture;
-use rotund_image::{Difference, maps, metrics::Metrics};
-use std::fmt::Write as _;
+use rotund_image::{Difference, EncodeError, Image, Metrics, maps};
 
 mod crops;
-mod embed;
 mod histogram;
 pub mod index;
 
@@ -27,9 +24,9 @@ pub struct Report<'a> {
     /// Camera, size and so on, in words.
     pub settings: &'a str,
     /// The picture on the left of the slider.
-    pub vanilla: &'a Picture,
+    pub vanilla: &'a Image,
     /// The picture on the right.
-    pub enhanced: &'a Picture,
+    pub enhanced: &'a Image,
     /// `enhanced` against `vanilla`.
     pub difference: &'a Difference,
     /// Rows of numbers about the two renders.
@@ -44,7 +41,7 @@ pub struct EqualTime<'a> {
     /// The name of the faster method.
     pub faster: &'static str,
     /// What it makes of the time.
-    pub picture: &'a Picture,
+    pub picture: &'a Image,
     /// Of the slower method and of the faster one.
     pub samples: [u32; 2],
     /// Of the slower method and of the faster one.
@@ -68,9 +65,8 @@ pub struct Timing {
 /// # Errors
 ///
 /// Only if an image cannot be encoded.
-pub fn page(report: &Report<'_>) -> Result<String> {
+pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
     let Report { vanilla, enhanced, difference, .. } = report;
-    let [vanilla, enhanced] = [vanilla, enhanced].map(|picture| embed::shown(picture));
     let worst = crops::worst(&difference.flip, CROP.0, CROP.1, CROP_COUNT);
     let range = maps::signed_range(&difference.signed);
     let signed = maps::signed(&difference.signed, range);
@@ -81,7 +77,7 @@ pub fn page(report: &Report<'_>) -> Result<String> {
     } else {
         let mut html = String::from("<div class=\"crops\">\n");
         for (index, crop) in worst.iter().enumerate() {
-            let images = [("vanilla", &vanilla), ("enhanced", &enhanced), ("FLIP", &flip)];
+            let images = [("vanilla", *vanilla), ("enhanced", *enhanced), ("FLIP", &flip)];
             html += &crop_figure(index + 1, crop, images)?;
         }
         html + "</div>"
@@ -96,7 +92,7 @@ pub fn page(report: &Report<'_>) -> Result<String> {
             &embed::photo(&flip)?,
             &["0", "0.5", "1"].map(str::to_owned),
             maps::sequential,
-            &marks(&worst, flip.width(), flip.height()),
+            &marks(&worst, flip.width, flip.height),
         );
     Ok(fill(
         PAGE,
@@ -105,9 +101,9 @@ pub fn page(report: &Report<'_>) -> Result<String> {
             ("settings", &escape(report.settings)),
             ("style", STYLE.trim_end()),
             ("script", SCRIPT.trim_end()),
-            ("width", &vanilla.width().to_string()),
-            ("height", &vanilla.height().to_string()),
-            ("pictures", &pictures(&vanilla, &enhanced, report.equal_time.as_ref())?),
+            ("width", &vanilla.width.to_string()),
+            ("height", &vanilla.height.to_string()),
+            ("pictures", &pictures(vanilla, enhanced, report.equal_time.as_ref())?),
             ("choice", &report.equal_time.as_ref().map(choice).unwrap_or_default()),
             ("lightness", &histogram::of_lightness(report.vanilla, report.enhanced)),
             ("visibility", &histogram::of_flip(&difference.flip)),
@@ -144,10 +140,10 @@ fn escape(text: &str) -> String {
 
 /// The pictures that lie over each other in the slider.
 fn pictures(
-    vanilla: &image::RgbImage,
-    enhanced: &image::RgbImage,
+    vanilla: &Image,
+    enhanced: &Image,
     equal_time: Option<&EqualTime<'_>>,
-) -> Result<String> {
+) -> Result<String, EncodeError> {
     let mut html = String::new();
     for (name, image, meaning) in [
         ("vanilla", vanilla, "points as discs, lines by distance, quads as two triangles"),
@@ -158,17 +154,16 @@ fn pictures(
         ),
     ] {
         let uri = embed::photo(image)?;
-        writeln!(
-            html,
-            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">"
-        )?;
+        html += &format!(
+            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">\n"
+        );
         if let Some(longer) = equal_time.filter(|longer| longer.faster == name) {
-            let uri = embed::photo(&embed::shown(longer.picture))?;
+            let uri = embed::photo(longer.picture)?;
             let samples = longer.samples[1];
-            writeln!(
-                html,
-                "<img class=\"{name} longer\" src=\"{uri}\" alt=\"The {name} picture with {samples} samples\">"
-            )?;
+            html += &format!(
+                "<img class=\"{name} longer\" src=\"{uri}\" \
+                 alt=\"The {name} picture with {samples} samples\">\n"
+            );
         }
     }
     Ok(html)
@@ -189,8 +184,8 @@ fn choice(equal_time: &EqualTime<'_>) -> String {
 fn crop_figure(
     number: usize,
     crop: &Crop,
-    images: [(&str, &image::RgbImage); 3],
-) -> Result<String> {
+    images: [(&str, &Image); 3],
+) -> Result<String, EncodeError> {
     let (x, y) = (crop.x, crop.y);
     let mut html = format!(
         "<div><h3>{number}. at x = {x}, y = {y}; mean FLIP {:.3}</h3>\n\
@@ -199,12 +194,13 @@ fn crop_figure(
     );
     let (width, height) = (4 * crop.width, 4 * crop.height);
     for (name, image) in images {
-        let uri = embed::exact(image, crop)?;
+        let part = [crop.x, crop.y, crop.width, crop.height].map(|side| side as u32);
+        let uri = embed::exact(&image.crop(part[0], part[1], part[2], part[3]))?;
         let alt = format!("{name}, {} by {} pixels at {x}, {y}", crop.width, crop.height);
-        writeln!(
-            html,
-            "<figure><img src=\"{uri}\" alt=\"{alt}\" width=\"{width}\" height=\"{height}\"><figcaption>{name}</figcaption></figure>"
-        )?;
+        html += &format!(
+            "<figure><img src=\"{uri}\" alt=\"{alt}\" width=\"{width}\" height=\"{height}\">\
+             <figcaption>{name}</figcaption></figure>\n"
+        );
     }
     Ok(html + "</div></div>\n")
 }

@@ -1,17 +1,11 @@
 //! What a page must hold.
 
 use super::{EqualTime, Report, Timing, escape, fill, page};
-use glam::Vec3;
-use rotund_image::Difference;
-use rotund_image::Picture;
+use rotund_image::{Difference, Image};
 
 fn example(scene: &str) -> String {
-    let picture = |bright: f32| Picture {
-        width: 200,
-        height: 100,
-        pixels: (0..200 * 100)
-            .map(|i| Vec3::splat(if (50..70).contains(&(i % 200)) { bright } else { 0.2 }))
-            .collect(),
+    let picture = |bright: f32| {
+        Image::from_fn(200, 100, |x, _| [if (50..70).contains(&x) { bright } else { 0.2 }; 4])
     };
     let (vanilla, enhanced) = (picture(0.2), picture(0.9));
     page(&Report {

@@ -75,7 +75,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         entries.push(entry);
     }
     let page = folder.join("index.html");
-    write_text(&page, &index::page(&entries)?)?;
+    write_text(&page, &index::page(&entries))?;
     if args.json {
         say(serde_json::to_string_pretty(&Value::Array(all))?)
     } else {

@@ -47,15 +47,17 @@ impl Scene {
         let texcoord =
             if textured { self.eval_texcoord(instance, element, uv) } else { Vec2::ZERO };
         let texture = |index: Option<u32>| index.map(|index| &self.textures[index as usize]);
-        let painted = texture(material.color_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
-        let grain = texture(material.roughness_tex).map_or(Vec4::ONE, |t| t.data(texcoord));
-        let milk = texture(material.scattering_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
+        let color_texel = texture(material.color_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
+        let roughness_texel =
+            texture(material.roughness_tex).map_or(Vec4::ONE, |t| t.data(texcoord));
+        let scattering_texel =
+            texture(material.scattering_tex).map_or(Vec4::ONE, |t| t.color(texcoord));
 
-        let roughness = material.roughness * grain.y;
+        let roughness = material.roughness * roughness_texel.y;
         let alpha = roughness * roughness;
         // Floating-point images may hold less than nothing.
-        let color = (material.color * vertex.truncate() * painted.truncate()).max(Vec3::ZERO);
-        let (alpha, density) = match material.kind {
+        let color = (material.color * vertex.truncate() * color_texel.truncate()).max(Vec3::ZERO);
+        let (alpha, extinction) = match material.kind {
             MaterialKind::Matte | MaterialKind::Glossy => {
                 (alpha.clamp(LEAST_ALPHA, 1.0), Vec3::ZERO)
             }
@@ -63,7 +65,7 @@ impl Scene {
                 (smooth_below_least(alpha), Vec3::ZERO)
             }
             MaterialKind::Refractive | MaterialKind::Volumetric => {
-                // What is left of white after `trdepth` is `color`.
+                // White light that travels `trdepth` is attenuated to `color`.
                 let remains = color.clamp(Vec3::splat(1e-4), Vec3::ONE);
                 (smooth_below_least(alpha), -remains.map(f32::ln) / material.trdepth)
             }
@@ -72,12 +74,12 @@ impl Scene {
             kind: material.kind,
             emission: self.eval_emission(instance, element, uv),
             color,
-            opacity: (material.opacity * painted.w * vertex.w).clamp(0.0, 1.0),
+            opacity: (material.opacity * color_texel.w * vertex.w).clamp(0.0, 1.0),
             alpha,
             ior: material.ior,
-            density,
-            scattering: (material.scattering * milk.truncate()).max(Vec3::ZERO),
-            scanisotropy: material.scanisotropy,
+            extinction,
+            albedo: (material.albedo * scattering_texel.truncate()).max(Vec3::ZERO),
+            anisotropy: material.anisotropy,
         }
     }
 }

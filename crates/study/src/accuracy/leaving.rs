@@ -2,7 +2,7 @@
 //! the normal it must start so that it does not.
 
 use glam::{DVec3, Vec3};
-use rotund_geometry::{Hit, Ray, leave_surface};
+use rotund_geometry::{Hit, Ray};
 use serde::Serialize;
 
 use super::{
@@ -94,7 +94,7 @@ impl LeavingCollector {
         // Only a hit that knows its error can say where to start.
         if hit.error > 0.0 {
             for direction in directions.into_iter().chain([-directions[0], -directions[1]]) {
-                let origin = leave_surface(hit.position, hit.error, hit.normal, direction);
+                let origin = hit.spawn(direction).origin;
                 let outwards = direction.as_dvec3().dot(out) > 0.0;
                 let side = if outwards { out } else { -out };
                 let bad = if S::CONVEX && !outwards {

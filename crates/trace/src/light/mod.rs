@@ -28,7 +28,6 @@ use tree::{Extent, LightTree};
 ///
 /// ```
 /// use glam::{Vec2, Vec3};
-/// use rotund_geometry::{Ray, leave_surface};
 /// use rotund_scene::SceneHit;
 /// use rotund_trace::{Bsdf, Receiver, Sampler, World, power_heuristic};
 ///
@@ -55,8 +54,7 @@ use tree::{Extent, LightTree};
 ///     // From the BSDF. `pdf` is `None` for a delta direction, which the lights cannot sample.
 ///     let [x, y, choice, _] = sampler.set(2);
 ///     if let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) {
-///         let start = leave_surface(hit.position, hit.error, hit.normal, scattered.incoming);
-///         let ray = Ray::new(start, scattered.incoming);
+///         let ray = hit.spawn(scattered.incoming);
 ///         let (radiance, light_pdf) = match world.closest(&ray) {
 ///             Some(far) => {
 ///                 (scene.eval_emission(far.instance, far.element, far.uv), lights.pdf(&receiver, &far))
@@ -112,7 +110,7 @@ impl LightSample {
     /// the surface that it leaves nor the light that it goes to.
     #[must_use]
     pub fn shadow_ray(&self, hit: &SceneHit) -> Ray {
-        self.shadow_ray_from(leave_surface(hit.position, hit.error, hit.normal, self.incoming))
+        self.shadow_ray_from(hit.spawn(self.incoming).origin)
     }
 
     /// Returns the ray from a point that lies on no surface to the light; see [`Self::shadow_ray`].

@@ -14,7 +14,7 @@ use crate::medium::{Media, Medium};
 use crate::opacity::{SHEET_SETS, SHEETS};
 use crate::{Receiver, Sampler, power_heuristic};
 use glam::Vec3;
-use rotund_geometry::{Ray, leave_surface};
+use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, SceneHit};
 
 /// Number of segments after which Russian roulette may end a path.
@@ -170,7 +170,7 @@ impl Path<'_> {
 
     /// Continues straight behind a surface.
     fn pass(&mut self, hit: &SceneHit) {
-        self.ray.origin = leave_surface(hit.position, hit.error, hit.normal, self.ray.direction);
+        self.ray.origin = hit.spawn(self.ray.direction).origin;
     }
 
     fn gather_environment(&mut self) {

@@ -6,7 +6,7 @@ use crate::medium::Medium;
 use crate::shadow::{Departure, Target};
 use crate::{Bsdf, Receiver, phase, power_heuristic};
 use glam::{Vec2, Vec3};
-use rotund_geometry::{Ray, leave_surface};
+use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, MaterialPoint, Scene, SceneHit};
 
 impl Path<'_> {
@@ -97,8 +97,7 @@ impl Path<'_> {
         }
         self.throughput *= scattered.weight;
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
-        let origin = leave_surface(hit.position, hit.error, hit.normal, incoming);
-        match self.continue_along(Ray::new(origin, incoming), roulette) {
+        match self.continue_along(hit.spawn(incoming), roulette) {
             Next::Segment if divided => Next::Parts,
             next => next,
         }

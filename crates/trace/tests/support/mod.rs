@@ -18,9 +18,9 @@ pub(crate) fn white(kind: MaterialKind, alpha: f32) -> MaterialPoint {
         opacity: 1.0,
         alpha,
         ior: 1.5,
-        density: Vec3::ZERO,
-        scattering: Vec3::ZERO,
-        scanisotropy: 0.0,
+        extinction: Vec3::ZERO,
+        albedo: Vec3::ZERO,
+        anisotropy: 0.0,
     }
 }
 

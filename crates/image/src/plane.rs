@@ -1,29 +1,33 @@
-//! Separable filters over planes of numbers.
+//! Planes of numbers, and separable filters over them.
 
 use rayon::prelude::*;
 
-/// One number for each pixel, row by row.
-#[derive(Clone, Debug, PartialEq)]
+/// One number for each pixel, row by row from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plane {
-    /// Pixels in a row.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// `width * height` of them.
+    /// `width * height` numbers.
     pub values: Vec<f32>,
 }
 
 impl Plane {
-    /// The mean of all values; 0 of none.
+    /// Returns the mean of all values, or 0 if there are none.
+    #[must_use]
     pub fn mean(&self) -> f64 {
         let sum: f64 = self.values.iter().map(|&value| f64::from(value)).sum();
         sum / self.values.len().max(1) as f64
     }
 
     /// Filters along the rows with `horizontal`, then along the columns with `vertical`. Both have
-    /// an odd number of weights, centred on the pixel; beyond the border its pixels are repeated.
-    pub fn convolve(&self, horizontal: &[f32], vertical: &[f32]) -> Self {
+    /// an odd number of weights, centred on the pixel. Beyond the border, its pixels are repeated.
+    pub(crate) fn convolve(&self, horizontal: &[f32], vertical: &[f32]) -> Self {
         let (width, height) = (self.width, self.height);
+        if self.values.is_empty() {
+            return self.clone();
+        }
         let mut rows = vec![0.0; self.values.len()];
         rows.par_chunks_mut(width).zip(self.values.par_chunks(width)).for_each(|(out, row)| {
             let reach = (horizontal.len() / 2) as isize;
@@ -46,7 +50,7 @@ impl Plane {
     }
 }
 
-/// The nearest index below `count`.
+/// Returns the nearest index below `count`.
 fn clamp(index: isize, count: usize) -> usize {
     index.clamp(0, count as isize - 1) as usize
 }
@@ -56,7 +60,7 @@ mod tests {
     use super::Plane;
 
     #[test]
-    fn a_constant_stays_what_it_is_up_to_the_border() {
+    fn a_normalized_filter_keeps_a_constant_up_to_the_border() {
         let plane = Plane { width: 3, height: 2, values: vec![2.0; 6] };
         assert_eq!(plane.convolve(&[0.25, 0.5, 0.25], &[0.0, 1.0, 0.0]), plane);
     }

@@ -1,8 +1,8 @@
-//! What belongs in a few places only.
+//! Words that belong in few places: unsafe code, files, arguments, threads, JSON.
 
 use std::path::{Path, PathBuf};
 
-/// A word that code in a folder must not have, but for a few files.
+/// A word that the code in a folder must not contain, except for a few files.
 struct Rule {
     folder: &'static str,
     word: &'static str,
@@ -10,14 +10,14 @@ struct Rule {
     why: &'static str,
 }
 
-/// What `ARCHITECTURE.md` says of the crates, as far as a search for words can hold it.
+/// The part of `ARCHITECTURE.md` that a search for words can check.
 const RULES: [Rule; 8] = [
     Rule {
         folder: "crates",
         word: "unsafe_code",
         except: &[
-            "crates/bvh/src/huge.rs",
-            "crates/bvh/src/simd/",
+            "crates/bvh/src/huge_pages.rs",
+            "crates/bvh/src/simd/x86.rs",
             "crates/bvh/src/stack.rs",
             "crates/bvh/src/traverse.rs",
             "crates/geometry/src/f64x2.rs",
@@ -28,12 +28,19 @@ const RULES: [Rule; 8] = [
         folder: "crates",
         word: "fs::",
         except: &[
-            "crates/image/src/",
-            "crates/scene/src/load/",
-            "crates/trace/src/output/",
             "crates/golden/src/cases.rs",
-            "crates/rotund/src/",
-            "crates/study/src/",
+            "crates/golden/src/reference.rs",
+            "crates/image/src/codec/file.rs",
+            "crates/rotund/src/built_in.rs",
+            "crates/rotund/src/golden.rs",
+            "crates/rotund/src/info.rs",
+            "crates/rotund/src/output.rs",
+            "crates/scene/src/load/",
+            "crates/study/src/accuracy/mod.rs",
+            "crates/study/src/rays/memory.rs",
+            "crates/tidy/src/files.rs",
+            "crates/tidy/src/scenes.rs",
+            "crates/trace/src/output/checkpoint.rs",
         ],
         why: "only loaders, writers and commands touch files",
     },
@@ -65,11 +72,13 @@ const RULES: [Rule; 8] = [
     Rule { folder: "crates/trace", word: "serde_json", except: &[], why: "only scene reads JSON" },
 ];
 
-/// Findings in one file. Comments, and what comes after `mod tests`, may name anything.
-pub(super) fn check(path: &Path, text: &str) -> Vec<String> {
+/// Checks one file. Comments and the tests at the end may contain anything.
+pub(crate) fn check(path: &Path, text: &str) -> Vec<String> {
     let name: PathBuf = path.iter().collect();
     let name = name.to_string_lossy().replace('\\', "/");
-    if !name.ends_with(".rs") || !name.contains("/src/") {
+    // The table of rules has every word in it.
+    let is_table = name == "crates/tidy/src/places.rs";
+    if !name.ends_with(".rs") || !name.contains("/src/") || is_table {
         return Vec::new();
     }
     let code = text.split("\nmod tests {").next().unwrap_or_default();

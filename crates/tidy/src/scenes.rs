@@ -1,13 +1,13 @@
 //! Scenes that nobody can load, nobody mentions, or whose files nobody names.
 
-use super::walk;
+use crate::files::walk;
 use anyhow::{Context, Result};
 use rotund_scene::LoadOptions;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Checks the scenes for people and those of the golden pictures.
-pub(super) fn check(root: &Path, texts: &[(PathBuf, String)]) -> Result<Vec<String>> {
+pub(crate) fn check(root: &Path, texts: &[(PathBuf, String)]) -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for folder in ["scenes", "tests/golden"] {
         let files = walk(&root.join(folder))?;
