@@ -1,12 +1,14 @@
 //! Faults are planted, one at a time, and each has to be caught under its own name; and what is no
 //! fault has to pass.
 
-use crate::REPLICAS;
-use crate::cases::{self, Case};
-use crate::moments::{Moments, Plan, Subject};
+use crate::case::{Case, of_folder};
+use crate::check::{Check, Finding};
+use crate::moments::Moments;
 use crate::reference::Reference;
 use crate::significance::{compare, level, p_value};
-use crate::verdict::{Check, Verdict, judge};
+use crate::subject::{Plan, Subject};
+use crate::verdict::{Verdict, judge};
+use crate::{REPLICAS, Suite};
 use glam::{DVec3, Vec2};
 use rotund_bvh::Isa;
 use rotund_scene::Scene;
@@ -21,7 +23,7 @@ fn folder() -> PathBuf {
 }
 
 fn case(name: &str) -> Case {
-    let cases = cases::of_workspace(&folder()).unwrap();
+    let cases = of_folder(&folder()).unwrap();
     cases.into_iter().find(|case| case.name == name).expect("a picture of that name")
 }
 
@@ -36,8 +38,8 @@ fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Mo
     let Reference { moments, samples, bounces, .. } = reference(name);
     let (width, height) = (moments.width as u32, moments.height as u32);
     let plan = Plan { width, height, bounces, samples, sequence };
-    Moments::measure(&Subject::new(scene, Isa::default_set()).unwrap(), &plan, REPLICAS, 77)
-        .unwrap()
+    let subject = Subject::new(name, scene, Isa::default_set()).unwrap();
+    subject.measure(&plan, REPLICAS, 77).unwrap()
 }
 
 fn verdict(name: &str, actual: &Moments) -> Verdict {
@@ -56,7 +58,7 @@ fn honest(name: &str) -> Moments {
 #[track_caller]
 fn assert_caught(verdict: &Verdict, check: Check, word: &str) {
     let named =
-        |finding: &super::verdict::Finding| finding.check == check && finding.text.contains(word);
+        |finding: &Finding| finding.check == check && finding.text.contains(word);
     assert!(verdict.findings.iter().any(named), "no {check} in {:?}", verdict.findings);
 }
 
@@ -94,7 +96,7 @@ fn a_leak_of_one_pixel_is_caught() {
 #[test]
 fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
     let mut shares = Vec::new();
-    for case in cases::of_workspace(&folder()).unwrap() {
+    for case in of_folder(&folder()).unwrap() {
         let reference = Reference::read(&case.reference).unwrap().moments;
         let zeros = vec![DVec3::ZERO; reference.mean.len()];
         let black = Moments {
@@ -195,7 +197,8 @@ fn a_tint_that_people_see_is_caught_by_flip() {
 
 #[test]
 fn two_scenes_of_one_name_are_refused() {
-    let scenes = ["a/x.json", "b/x.json"].map(Into::into);
-    let error = cases::of_user(Path::new("goldens"), &scenes).unwrap_err().to_string();
+    let mut suite = Suite::new("goldens");
+    suite.add_file("a/x.json").unwrap();
+    let error = suite.add_file("b/x.json").unwrap_err().to_string();
     assert!(error.contains("a/x.json") && error.contains("b/x.json"), "{error}");
 }

@@ -1,5 +1,6 @@
 //! Charts in SVG, drawn by hand: logarithmic axes, direct labels, one color for each method.
 
+use crate::html::escape;
 use std::fmt::Write as _;
 
 /// Colors that people with any color vision tell apart, after M. Okabe and K. Ito; the library's own
@@ -190,11 +191,6 @@ pub fn legend(series: &[Series]) -> String {
         );
     }
     html + "</p>"
-}
-
-/// Text without markup.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn open(labels: &Labels<'_>, width: f64, height: f64) -> String {

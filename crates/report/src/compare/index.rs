@@ -1,7 +1,8 @@
 //! `index.html`: several comparisons on one page, with links to the page of each.
 
-use super::{STYLE, Timing, escape, fill};
+use super::{STYLE, Timing, fill};
 use crate::embed;
+use crate::html::escape;
 use rotund_image::{Difference, EncodeError, Image};
 
 const PAGE: &str = include_str!("index.html");

@@ -1,6 +1,7 @@
 //! `report.html`: two pictures and their difference on one page that needs nothing else.
 
 use crate::embed;
+use crate::html::escape;
 use crops::Crop;
 use rotund_image::{Difference, EncodeError, Image, Metrics, maps};
 
@@ -131,11 +132,6 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
         text += rest;
     }
     text
-}
-
-/// Text as HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// The pictures that lie over each other in the slider.
