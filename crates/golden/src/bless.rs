@@ -66,9 +66,8 @@ fn render(
     resolution: u32,
     pictures: usize,
 ) -> Result<Reference, GoldenError> {
-    let refused = |reason| {
-        GoldenError::Refused(Refused { pictures: vec![(case.name.clone(), reason)] })
-    };
+    let refused =
+        |reason| GoldenError::Refused(Refused { pictures: vec![(case.name.clone(), reason)] });
     let incomparable = |source| GoldenError::Compare { name: case.name.clone(), source };
     let (width, height) = subject.resolution(resolution);
     if let Some(Moments { width: old_width, height: old_height, .. }) = old.map(|o| &o.moments)
@@ -87,7 +86,9 @@ fn render(
     loop {
         // Few replicas are enough to see that more samples are needed.
         let first = subject.measure(&plan, REPLICAS, REFERENCE_SEED)?;
-        if complaint(&first, pictures).map_err(incomparable)?.is_some() && plan.samples < MOST_SAMPLES {
+        if complaint(&first, pictures).map_err(incomparable)?.is_some()
+            && plan.samples < MOST_SAMPLES
+        {
             plan.samples *= 2;
             continue;
         }

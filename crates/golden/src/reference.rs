@@ -5,9 +5,9 @@
 //! mean is rounded to a quarter of its own standard error or finer, and the deviation up to five bits.
 //! Channels `surface.*` hold the surfaces, which have no noise: see [`crate::surface`].
 
+use crate::error::GoldenError;
 use crate::moments::Moments;
 use crate::surface::{CHANNELS as SURFACE_CHANNELS, Surface};
-use crate::error::GoldenError;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
     Layer, LayerAttributes, LineOrder, ReadChannels as _, ReadLayers as _, Text,

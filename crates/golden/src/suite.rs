@@ -179,7 +179,9 @@ impl Suite {
         for case in &self.cases {
             match self.examine(case, &self.settings)? {
                 Outcome::Judged(judged) => failures.extend(judged.into_failure(&case.name)),
-                Outcome::Failed(complaint) => complaints.push(format!("{}: {complaint}", case.name)),
+                Outcome::Failed(complaint) => {
+                    complaints.push(format!("{}: {complaint}", case.name))
+                }
             }
         }
         for path in self.dead_references()? {
@@ -245,8 +247,11 @@ impl Suite {
             }
         }
         for path in self.dead_references()? {
-            fs::remove_file(&path)
-                .map_err(|source| GoldenError::Folder { action: "remove", path, source })?;
+            fs::remove_file(&path).map_err(|source| GoldenError::Folder {
+                action: "remove",
+                path,
+                source,
+            })?;
         }
         if refused.is_empty() {
             return Ok(accepted);

@@ -57,8 +57,7 @@ fn honest(name: &str) -> Moments {
 
 #[track_caller]
 fn assert_caught(verdict: &Verdict, check: Check, word: &str) {
-    let named =
-        |finding: &Finding| finding.check == check && finding.text.contains(word);
+    let named = |finding: &Finding| finding.check == check && finding.text.contains(word);
     assert!(verdict.findings.iter().any(named), "no {check} in {:?}", verdict.findings);
 }
 

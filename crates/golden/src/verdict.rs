@@ -190,10 +190,7 @@ fn describe(check: Check, failed: Vec<(f64, Region, usize, Comparison)>) -> Opti
 ///
 /// It is measured: the reference is compared with a copy of itself that has noise of the size of both
 /// pictures.
-pub(crate) fn flip_of_noise(
-    actual: &Moments,
-    reference: &Moments,
-) -> Result<f64, CompareError> {
+pub(crate) fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64, CompareError> {
     let clean = reference.picture();
     let mut noisy = clean.clone();
     for (i, pixel) in noisy.pixels.iter_mut().enumerate() {

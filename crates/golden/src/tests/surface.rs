@@ -180,8 +180,7 @@ fn every_instruction_set_gives_the_same_bits() {
 fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
     // One ball in front of the camera: each ray goes in and out.
     let name = "materials-enhanced";
-    let subject =
-        Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
+    let subject = Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
     let ball = subject.scene.instances[1].world_from_object.translation;
     let camera = subject.scene.cameras[0].world_from_camera;
     let to_ball = camera.inverse().transform_point3(ball.into());
