@@ -17,7 +17,8 @@ use rotund_trace::{Options, Sequence};
 pub const SMALLEST_LOSS: f64 = 0.01;
 /// Probability that a check misses such a loss.
 pub const MISSED_LOSSES: f64 = 0.01;
-/// Smallest and largest number of samples of a replica. They are doubled until the noise is low enough.
+/// Smallest and largest number of samples of a replica. They are doubled until the noise is low
+/// enough.
 const FEWEST_SAMPLES: u32 = 2;
 const MOST_SAMPLES: u32 = 32;
 
@@ -28,16 +29,17 @@ pub enum Blessed {
     New(Reference),
     /// The picture agrees with its reference, which stays as it is to the bit.
     Unchanged,
-    /// The new reference, and what differed from the old one; nothing if its size or number of samples
-    /// changed.
+    /// The new reference, and what differed from the old one; nothing if its size or number of
+    /// samples changed.
     Changed(Reference, Vec<Finding>),
 }
 
-/// Renders the reference of a picture whose longer side gets `resolution` pixels. Nothing is written.
+/// Renders the reference of a picture whose longer side gets `resolution` pixels. Nothing is
+/// written.
 ///
-/// Every picture meets the same standard, and a check is never weakened. Refused are pictures that are
-/// smaller than their reference was, too noisy to reveal a loss of one percent of the light or to keep
-/// FLIP below [`FLIP_CEILING`], black, or with rejected samples.
+/// Every picture meets the same standard, and a check is never weakened. Refused are pictures that
+/// are smaller than their reference was, too noisy to reveal a loss of one percent of the light or
+/// to keep FLIP below [`FLIP_CEILING`], black, or with rejected samples.
 pub(crate) fn bless(
     case: &Case,
     old: Option<&Reference>,

@@ -54,8 +54,8 @@ impl Case {
     }
 }
 
-/// Returns the pictures of the scenes in a folder, by both methods; a scene of triangles alone, on which
-/// the methods agree, makes one picture.
+/// Returns the pictures of the scenes in a folder, by both methods; a scene of triangles alone, on
+/// which the methods agree, makes one picture.
 pub(crate) fn of_folder(folder: &Path) -> Result<Vec<Case>, GoldenError> {
     let mut scenes = files(folder)?;
     scenes.retain(|path| has_extension(path, "json"));

@@ -45,13 +45,14 @@ pub enum GoldenError {
     Write(#[from] WriteError),
 }
 
-/// Pictures that differ from their references. Both `Display` and `Debug` print a list for people, so
-/// that a test that returns or unwraps the error shows it.
+/// Pictures that differ from their references. Both `Display` and `Debug` print a list for people,
+/// so that a test that returns or unwraps the error shows it.
 #[derive(Clone, PartialEq)]
 pub struct Failed {
     /// Name of each picture that differs, and the checks that failed.
     pub pictures: Vec<(String, Vec<Finding>)>,
-    /// Problems that are no difference: a picture without a reference, a reference without a picture.
+    /// Problems that are no difference: a picture without a reference, a reference without a
+    /// picture.
     pub complaints: Vec<String>,
     /// Number of pictures of the suite.
     pub count: usize,

@@ -1,35 +1,38 @@
 //! Golden pictures: small stored renders that a test compares with.
 //!
 //! A [`Suite`] is a set of scenes, made in code or read from files, and a folder of references.
-//! [`Suite::check`] renders each scene and fails if a picture differs from its reference; the error lists
-//! what differs, and a page shows it. With `ROTUND_BLESS=1` in the environment, or by [`Suite::bless`],
-//! pictures are accepted as they are. The README has an example of a test.
+//! [`Suite::check`] renders each scene and fails if a picture differs from its reference; the error
+//! lists what differs, and a page shows it. With `ROTUND_BLESS=1` in the environment, or by
+//! [`Suite::bless`], pictures are accepted as they are. The README has an example of a test.
 //!
 //! # How a picture is compared
 //!
-//! A picture of a path tracer is random. To demand equal pixels would fail for another processor, thread
-//! count or sampler; to allow a fixed tolerance would hide faults that are smaller. So a check renders
-//! with *other* random numbers than the reference, and asks how probable the difference is.
+//! A picture of a path tracer is random. To demand equal pixels would fail for another processor,
+//! thread count or sampler; to allow a fixed tolerance would hide faults that are smaller. So a
+//! check renders with *other* random numbers than the reference, and asks how probable the
+//! difference is.
 //!
 //! - **Light**. A check renders [`REPLICAS`] small pictures that differ in their seed, a reference
-//!   [`REFERENCE_REPLICAS`]. Their spread gives the standard error of each pixel, and Student's t-test
-//!   the probability that noise alone makes a difference as large. Pixels, blocks of 8 x 8 pixels, and
-//!   the whole picture are tested: small faults show in pixels, faint ones in means. The mean FLIP error
-//!   must not exceed that of the noise, which finds visible changes of another shape.
+//!   [`REFERENCE_REPLICAS`]. Their spread gives the standard error of each pixel, and Student's
+//!   t-test the probability that noise alone makes a difference as large. Pixels, blocks of 8 x 8
+//!   pixels, and the whole picture are tested: small faults show in pixels, faint ones in means.
+//!   The mean FLIP error must not exceed that of the noise, which finds visible changes of another
+//!   shape.
 //! - **Surfaces**. Sixteen fixed rays per pixel find coverage, number of surfaces, shadows, depth,
 //!   normals, texture coordinates and colours. These have no noise, so a single wrong ray fails.
 //!
-//! **False alarms**: a run over a whole suite in which nothing changed fails with a probability of at most
-//! [`FALSE_ALARMS`], 1 in 1000, by Bonferroni's inequality over all tests of all pictures. Settings are
-//! fixed, so a run that passes keeps passing until something changes.
+//! **False alarms**: a run over a whole suite in which nothing changed fails with a probability of
+//! at most [`FALSE_ALARMS`], 1 in 1000, by Bonferroni's inequality over all tests of all pictures.
+//! Settings are fixed, so a run that passes keeps passing until something changes.
 //!
 //! **Smallest loss found**: a picture that lost [`SMALLEST_LOSS`], 1 %, of its light fails with a
-//! probability of at least 99 %. A picture that is too noisy for that is refused when it is accepted, and
-//! samples are doubled before, so the check of every picture is that sharp.
+//! probability of at least 99 %. A picture that is too noisy for that is refused when it is
+//! accepted, and samples are doubled before, so the check of every picture is that sharp.
 //!
 //! # Cost
 //!
-//! A picture of 96 x 54 pixels takes some tenths of a second to check and eight times as long to accept.
+//! A picture of 96 x 54 pixels takes some tenths of a second to check and eight times as long to
+//! accept.
 
 mod bless;
 mod case;

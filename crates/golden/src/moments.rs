@@ -5,9 +5,9 @@ use rotund_image::Image;
 
 /// Mean and variance of the replicas of a picture, in linear RGB.
 ///
-/// A picture is rendered as many small replicas that differ in their seed alone. They are independent of
-/// each other, even where the samples of one render are not, so their spread tells the error of their
-/// mean.
+/// A picture is rendered as many small replicas that differ in their seed alone. They are
+/// independent of each other, even where the samples of one render are not, so their spread tells
+/// the error of their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
     /// Number of columns.
@@ -33,8 +33,8 @@ impl Moments {
 
     /// Adds a replica. Until [`Self::finish`], `variance` holds sums of squares.
     ///
-    /// Source: B. Welford, "Note on a method for calculating corrected sums of squares and products",
-    /// Technometrics 4(3), 1962.
+    /// Source: B. Welford, "Note on a method for calculating corrected sums of squares and
+    /// products", Technometrics 4(3), 1962.
     pub(crate) fn push(&mut self, pixels: impl Iterator<Item = DVec3>) {
         self.replicas += 1;
         let count = f64::from(self.replicas);

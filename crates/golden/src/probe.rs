@@ -31,7 +31,8 @@ pub(crate) struct Probe {
 }
 
 impl Probe {
-    /// Follows a camera ray through all surfaces. `index` is that of the ray in its pixel, `0..RAYS`.
+    /// Follows a camera ray through all surfaces. `index` is that of the ray in its pixel,
+    /// `0..RAYS`.
     pub(crate) fn new(
         scene: &Scene,
         trees: &Trees,
@@ -73,8 +74,8 @@ impl Probe {
     }
 }
 
-/// Returns one of [`RAYS`] directions spread evenly over the sphere (R. Swinbank, R. Purser, "Fibonacci grids",
-/// Quarterly Journal of the Royal Meteorological Society 132, 2006).
+/// Returns one of [`RAYS`] directions spread evenly over the sphere (R. Swinbank, R. Purser,
+/// "Fibonacci grids", Quarterly Journal of the Royal Meteorological Society 132, 2006).
 fn fixed_direction(index: usize) -> Vec3 {
     const GOLDEN_RATIO: f32 = 1.618_034;
     let z = 1.0 - (2 * index + 1) as f32 / RAYS as f32;

@@ -1,9 +1,10 @@
 //! A reference picture as a file: an EXR that any viewer shows.
 //!
-//! Channels `R`, `G`, `B` hold the mean, and `deviation.R`, `.G`, `.B` the standard deviation of one
-//! replica. Digits below the noise are not stored, so that a reference takes a third of the space: the
-//! mean is rounded to a quarter of its own standard error or finer, and the deviation up to five bits.
-//! Channels `surface.*` hold the surfaces, which have no noise: see [`crate::surface`].
+//! Channels `R`, `G`, `B` hold the mean, and `deviation.R`, `.G`, `.B` the standard deviation of
+//! one replica. Digits below the noise are not stored, so that a reference takes a third of the
+//! space: the mean is rounded to a quarter of its own standard error or finer, and the deviation up
+//! to five bits. Channels `surface.*` hold the surfaces, which have no noise: see
+//! [`crate::surface`].
 
 use crate::error::GoldenError;
 use crate::moments::Moments;

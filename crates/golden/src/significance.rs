@@ -3,12 +3,13 @@
 use crate::moments::Moments;
 use statrs::function::{beta::checked_beta_reg, erf::erfc_inv};
 
-/// Upper bound on the false-alarm rate: the probability that a run over a whole set of pictures fails
-/// although nothing changed.
+/// Upper bound on the false-alarm rate: the probability that a run over a whole set of pictures
+/// fails although nothing changed.
 ///
-/// The rate is divided evenly among the three kinds of t-tests (pixels, blocks, whole pictures), and
-/// within a kind among all tests of all pictures (C. Bonferroni, "Teoria statistica delle classi e
-/// calcolo delle probabilità", 1936). The bound holds however the tests depend on each other.
+/// The rate is divided evenly among the three kinds of t-tests (pixels, blocks, whole pictures),
+/// and within a kind among all tests of all pictures (C. Bonferroni, "Teoria statistica delle
+/// classi e calcolo delle probabilità", 1936). The bound holds however the tests depend on each
+/// other.
 pub const FALSE_ALARMS: f64 = 1e-3;
 
 /// Number of kinds of t-tests.
@@ -19,8 +20,9 @@ pub(crate) fn level(tests: usize) -> f64 {
     FALSE_ALARMS / KINDS / tests.max(1) as f64
 }
 
-/// Returns the probability that the absolute value of Student's t with `freedom` degrees of freedom is
-/// at least `|t|`. It is accurate far into the tails, because it is not computed as a difference from 1.
+/// Returns the probability that the absolute value of Student's t with `freedom` degrees of freedom
+/// is at least `|t|`. It is accurate far into the tails, because it is not computed as a difference
+/// from 1.
 pub(crate) fn p_value(t: f64, freedom: f64) -> f64 {
     if t.is_infinite() {
         return 0.0;
@@ -49,16 +51,16 @@ pub(crate) struct Comparison {
 }
 
 /// Relative difference that counts as none: the rounding error of half precision. Another
-/// instruction set or order of summation moves values by far less, and an error of a tenth of a percent
-/// is four times as much.
+/// instruction set or order of summation moves values by far less, and an error of a tenth of a
+/// percent is four times as much.
 const ROUNDING: f64 = 1.0 / 4096.0;
 
 /// Compares `actual` with `reference` on the pixels with these indices.
 ///
 /// Pixels are independent, so variances add. The variance of a replica is the larger one of the two
-/// pictures, so that a picture that happened to miss rare bright paths does not seem quiet, and a noisier
-/// sampler does not seem wrong. Degrees of freedom follow F. Satterthwaite, "An
-/// approximate distribution of estimates of variance components", Biometrics Bulletin 2(6), 1946.
+/// pictures, so that a picture that happened to miss rare bright paths does not seem quiet, and a
+/// noisier sampler does not seem wrong. Degrees of freedom follow F. Satterthwaite, "An approximate
+/// distribution of estimates of variance components", Biometrics Bulletin 2(6), 1946.
 pub(crate) fn compare(
     actual: &Moments,
     reference: &Moments,

@@ -34,8 +34,8 @@ pub(crate) struct Plan {
 }
 
 impl Subject {
-    /// Builds what rays need, for trees to be traversed with these instructions. `name` is that of the
-    /// picture, for errors.
+    /// Builds what rays need, for trees to be traversed with these instructions. `name` is that of
+    /// the picture, for errors.
     pub(crate) fn new(name: &str, scene: Scene, isa: Isa) -> Result<Self, GoldenError> {
         let refused = |source| GoldenError::Scene { name: name.to_owned(), source };
         if scene.cameras.is_empty() {

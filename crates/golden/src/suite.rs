@@ -18,15 +18,15 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A set of pictures and the folder of their references. The false-alarm rate is that of the whole set,
-/// so a program should have one suite, in a folder of its own.
+/// A set of pictures and the folder of their references. The false-alarm rate is that of the whole
+/// set, so a program should have one suite, in a folder of its own.
 #[derive(Clone, Debug)]
 pub struct Suite {
     folder: PathBuf,
     /// Names are unique.
     cases: Vec<Case>,
-    /// Pixels along the longer side of a picture that is accepted for the first time, or anew: 96 by
-    /// default. Without noise in the way, more pixels find smaller faults and take more time.
+    /// Pixels along the longer side of a picture that is accepted for the first time, or anew: 96
+    /// by default. Without noise in the way, more pixels find smaller faults and take more time.
     pub resolution: u32,
     /// The page that a failed check writes: `failures.html` in the folder by default.
     pub page: PathBuf,
@@ -75,7 +75,8 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Returns what a page shows of a picture that differs, or `None` if it agrees with its reference.
+    /// Returns what a page shows of a picture that differs, or `None` if it agrees with its
+    /// reference.
     #[must_use]
     pub fn into_failure(self, name: impl Into<String>) -> Option<Failure> {
         let Self { reference, actual, surface, verdict } = self;
@@ -94,8 +95,8 @@ impl Judged {
 }
 
 impl Suite {
-    /// Returns a suite without pictures, whose references lie in `folder`. The folder need not exist
-    /// before a picture is accepted.
+    /// Returns a suite without pictures, whose references lie in `folder`. The folder need not
+    /// exist before a picture is accepted.
     #[must_use]
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         let folder = folder.into();
@@ -104,8 +105,8 @@ impl Suite {
         Self { folder, cases: Vec::new(), resolution: 96, page, settings }
     }
 
-    /// Returns a suite of all scene files (`*.json`) in a folder, with their references beside them: each
-    /// scene by both methods, or once if it has nothing but triangles.
+    /// Returns a suite of all scene files (`*.json`) in a folder, with their references beside
+    /// them: each scene by both methods, or once if it has nothing but triangles.
     ///
     /// # Errors
     ///
@@ -127,8 +128,8 @@ impl Suite {
         self.push(self.case(name.to_owned(), Source::Scene(Box::new(scene))))
     }
 
-    /// Adds a picture of a scene file that [`rotund_scene::load`] reads, named for the file. It is read
-    /// when the picture is checked.
+    /// Adds a picture of a scene file that [`rotund_scene::load`] reads, named for the file. It is
+    /// read when the picture is checked.
     ///
     /// # Errors
     ///
@@ -163,13 +164,15 @@ impl Suite {
     }
 
     /// Renders all pictures and compares each with its reference. If the environment variable
-    /// `ROTUND_BLESS` is set, and neither empty nor `0`, it accepts them instead, as [`Self::bless`].
+    /// `ROTUND_BLESS` is set, and neither empty nor `0`, it accepts them instead, as
+    /// [`Self::bless`].
     ///
     /// # Errors
     ///
-    /// [`GoldenError::Failed`] if a picture differs or has no reference, or a reference in the folder
-    /// belongs to no picture; its message lists all of them, and the page [`Self::page`] shows them.
-    /// Other errors if a scene cannot be loaded or rendered, or a file cannot be read or written.
+    /// [`GoldenError::Failed`] if a picture differs or has no reference, or a reference in the
+    /// folder belongs to no picture; its message lists all of them, and the page [`Self::page`]
+    /// shows them. Other errors if a scene cannot be loaded or rendered, or a file cannot be read
+    /// or written.
     pub fn check(&self) -> Result<(), GoldenError> {
         let bless = std::env::var_os(BLESS_VARIABLE);
         if bless.is_some_and(|value| !value.is_empty() && value != "0") {
@@ -229,14 +232,15 @@ impl Suite {
         Ok(Outcome::Judged(Box::new(Judged { reference, actual, surface, verdict })))
     }
 
-    /// Accepts all pictures as they are: writes new references, leaves those that agree as they are to
-    /// the bit, and removes references of the folder that belong to no picture. Returns the name of each
-    /// picture and what became of it.
+    /// Accepts all pictures as they are: writes new references, leaves those that agree as they are
+    /// to the bit, and removes references of the folder that belong to no picture. Returns the name
+    /// of each picture and what became of it.
     ///
     /// # Errors
     ///
-    /// [`GoldenError::Refused`] if pictures cannot be references, see [`Self::accept`]; the others are
-    /// accepted. Other errors if a scene cannot be loaded or rendered, or a file cannot be written.
+    /// [`GoldenError::Refused`] if pictures cannot be references, see [`Self::accept`]; the others
+    /// are accepted. Other errors if a scene cannot be loaded or rendered, or a file cannot be
+    /// written.
     pub fn bless(&self) -> Result<Vec<(String, Blessed)>, GoldenError> {
         let (mut accepted, mut refused) = (Vec::new(), Vec::new());
         for case in &self.cases {
@@ -263,10 +267,10 @@ impl Suite {
     ///
     /// # Errors
     ///
-    /// [`GoldenError::Refused`] if the check would be weaker than that of the other pictures: the picture
-    /// is black, has invalid samples, is smaller than its reference was, or is so noisy that
-    /// [`SMALLEST_LOSS`](crate::SMALLEST_LOSS) of the light could be lost unnoticed. Other errors if the
-    /// scene cannot be loaded or rendered, or the file cannot be written.
+    /// [`GoldenError::Refused`] if the check would be weaker than that of the other pictures: the
+    /// picture is black, has invalid samples, is smaller than its reference was, or is so noisy
+    /// that [`SMALLEST_LOSS`](crate::SMALLEST_LOSS) of the light could be lost unnoticed. Other
+    /// errors if the scene cannot be loaded or rendered, or the file cannot be written.
     pub fn accept(&self, case: &Case) -> Result<Blessed, GoldenError> {
         // A file that cannot be read is replaced like one that is missing.
         let old = Reference::read(&case.reference).ok();
@@ -278,7 +282,8 @@ impl Suite {
         Ok(blessed)
     }
 
-    /// Returns the references in the folder that belong to no picture. Other EXR files are left alone.
+    /// Returns the references in the folder that belong to no picture. Other EXR files are left
+    /// alone.
     ///
     /// # Errors
     ///
@@ -297,8 +302,8 @@ impl Suite {
     }
 }
 
-/// Writes the page about pictures that differ, and the folder it lies in. `accept` is the command that
-/// accepts the change.
+/// Writes the page about pictures that differ, and the folder it lies in. `accept` is the command
+/// that accepts the change.
 ///
 /// # Errors
 ///

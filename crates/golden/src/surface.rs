@@ -1,9 +1,9 @@
 //! The surfaces of a scene as its camera sees them, without light and so without noise.
 //!
-//! Sixteen rays go through each pixel, always the same ones. Their results have no random part, so any
-//! change is a fault and the comparison is a yes or no: light is compared by the statistical tests of
-//! [`crate::verdict`]. Found is whatever moves the mean of a pixel by two of the steps in which it is
-//! stored: one ray more or less, a flipped normal, a texture shifted by 1/256.
+//! Sixteen rays go through each pixel, always the same ones. Their results have no random part, so
+//! any change is a fault and the comparison is a yes or no: light is compared by the statistical
+//! tests of [`crate::verdict`]. Found is whatever moves the mean of a pixel by two of the steps in
+//! which it is stored: one ray more or less, a flipped normal, a texture shifted by 1/256.
 //!
 //! | check | mean over the rays of a pixel | finds |
 //! | --- | --- | --- |
@@ -35,7 +35,8 @@ pub(crate) struct Channel {
 /// Step of channels that count rays: one ray of sixteen, which is exact in binary.
 const COUNT: f64 = 1.0 / RAYS as f64;
 /// Step of the other channels: well above the rounding errors of colours, normals and texture
-/// coordinates in a picture of this size, and well below the effect of one ray on the mean of a pixel.
+/// coordinates in a picture of this size, and well below the effect of one ray on the mean of a
+/// pixel.
 const FINE: f64 = 1.0 / 512.0;
 const ELEVEN_BITS: f64 = 1.0 / 2048.0;
 
@@ -61,8 +62,8 @@ pub(crate) const CHANNELS: [Channel; VALUES] = {
 };
 
 impl Channel {
-    /// Returns the distance of stored values near `value`. Large values have eleven bits: the texture
-    /// coordinates of a texture that is repeated a thousand times are no finer than that.
+    /// Returns the distance of stored values near `value`. Large values have eleven bits: the
+    /// texture coordinates of a texture that is repeated a thousand times are no finer than that.
     fn step(&self, value: f64) -> f64 {
         let relative = if self.step == COUNT { 0.0 } else { value.abs() * ELEVEN_BITS };
         self.step.max(relative.log2().floor().exp2())
@@ -94,8 +95,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Shoots all rays of a picture. `probe` gets a point of the picture, in `0.0..=1.0`, and the index
-    /// of the ray in its pixel.
+    /// Shoots all rays of a picture. `probe` gets a point of the picture, in `0.0..=1.0`, and the
+    /// index of the ray in its pixel.
     pub(crate) fn measure(
         width: usize,
         height: usize,
@@ -121,7 +122,8 @@ impl Surface {
         Self { width, height, planes: CHANNELS.iter().enumerate().map(plane).collect() }
     }
 
-    /// Returns one finding for each check that fails: how many pixels differ, and the first of them.
+    /// Returns one finding for each check that fails: how many pixels differ, and the first of
+    /// them.
     ///
     /// # Panics
     ///
@@ -144,7 +146,8 @@ impl Surface {
                 "pixel ({x}, {y}): {part} is {} instead of {}, without any noise; so in {count} pixels",
                 ours[first], theirs[first]
             );
-            // The coordinates of a normal share a finding: that of the one that differs in most pixels.
+            // The coordinates of a normal share a finding: that of the one that differs in most
+            // pixels.
             match findings.iter_mut().find(|(finding, _)| finding.check == channel.check) {
                 Some((_, most)) if *most >= count => {}
                 Some(found) => *found = (Finding { check: channel.check, text }, count),

@@ -1,5 +1,4 @@
-//! Faults are planted, one at a time, and each has to be caught under its own name; and what is no
-//! fault has to pass.
+//! Planted faults must be found by the check that is meant for them, and correct renders must pass.
 
 use crate::case::{Case, of_folder};
 use crate::check::{Check, Finding};
@@ -114,8 +113,8 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
         let lit = |&i: &usize| reference.mean[i].max_element() > 0.0;
         let lit: Vec<usize> = (0..reference.mean.len()).filter(lit).collect();
         let share = lit.iter().copied().filter(caught).count() as f64 / lit.len() as f64;
-        // What is missing is noise: behind glass, in penumbras, and most of all where small emitters
-        // that are found by chance alone are the only light.
+        // What is missing is noise: behind glass, in penumbras, and most of all where small
+        // emitters that are found by chance alone are the only light.
         let least = if case.name.starts_with("lights") { 0.5 } else { 0.8 };
         assert!(share > least, "{}: {share:.3} of all pixels", case.name);
         shares.push(share);
@@ -128,8 +127,8 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
 fn a_flipped_normal_is_caught() {
     let flipped = faulty("quads-enhanced", |scene| {
         let saddle = scene.shapes.iter_mut().find(|shape| !shape.normals.is_empty()).unwrap();
-        // Vertices are 4 x 4: this one has quads all around. At the rim the bound on shading normals
-        // mends so much that the light hardly tells; what is seen without light does.
+        // Vertices are 4 x 4: this one has quads all around. At the rim the bound on shading
+        // normals mends so much that the light hardly tells; what is seen without light does.
         let [row, column] = [1, 1];
         let inner = 4 * row + column;
         saddle.normals[inner] = -saddle.normals[inner];

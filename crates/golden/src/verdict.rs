@@ -9,7 +9,8 @@
 //! | `flip` | is the visible difference within that of the noise | faint changes over large areas that are visible |
 //!
 //! The three t-tests together fail by chance in at most one of a thousand runs over a whole set of
-//! pictures: see [`FALSE_ALARMS`](crate::FALSE_ALARMS). [`crate::surface`] compares what has no noise.
+//! pictures: see [`FALSE_ALARMS`](crate::FALSE_ALARMS). [`crate::surface`] compares what has no
+//! noise.
 
 use crate::check::{Check, Finding};
 use crate::moments::Moments;
@@ -22,13 +23,13 @@ use std::fmt;
 /// Side of a block in pixels.
 const BLOCK: usize = 8;
 
-/// FLIP may be this many times that of the noise alone. A mean over thousands of pixels scatters by a
-/// few percent only; the rest allows for noise that is not normally distributed.
+/// FLIP may be this many times that of the noise alone. A mean over thousands of pixels scatters by
+/// a few percent only; the rest allows for noise that is not normally distributed.
 const FLIP_FACTOR: f64 = 1.5;
 /// An invisible FLIP error, allowed even without noise.
 const FLIP_MARGIN: f64 = 0.002;
-/// Upper bound on the FLIP error, whatever the noise: no picture may be so noisy that it hides a visible
-/// difference.
+/// Upper bound on the FLIP error, whatever the noise: no picture may be so noisy that it hides a
+/// visible difference.
 pub(crate) const FLIP_CEILING: f64 = 0.06;
 
 /// Results of all checks of one picture.
@@ -36,8 +37,8 @@ pub(crate) const FLIP_CEILING: f64 = 0.06;
 pub struct Verdict {
     /// The checks that failed; empty if the picture agrees with its reference.
     pub findings: Vec<Finding>,
-    /// Relative difference of the means of the two pictures, in the channel with the smallest relative
-    /// error.
+    /// Relative difference of the means of the two pictures, in the channel with the smallest
+    /// relative error.
     pub energy: f64,
     /// The same in standard errors.
     pub energy_t: f64,
@@ -188,8 +189,8 @@ fn describe(check: Check, failed: Vec<(f64, Region, usize, Comparison)>) -> Opti
 
 /// Returns the limit of the mean FLIP error: that of noise alone, with some margin.
 ///
-/// It is measured: the reference is compared with a copy of itself that has noise of the size of both
-/// pictures.
+/// It is measured: the reference is compared with a copy of itself that has noise of the size of
+/// both pictures.
 pub(crate) fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64, CompareError> {
     let clean = reference.picture();
     let mut noisy = clean.clone();

@@ -1,4 +1,4 @@
-//! Faults of single rays: without noise, each is caught for sure.
+//! Faults of single rays: without noise, each one is found.
 
 use super::{case, reference};
 use crate::case::of_folder;

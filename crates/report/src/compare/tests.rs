@@ -1,4 +1,4 @@
-//! What a page must hold.
+//! The content of a page.
 
 use super::{EqualTime, Report, Timing, fill, page};
 use rotund_image::{Difference, Image};
@@ -27,7 +27,7 @@ fn example(scene: &str) -> String {
 }
 
 #[test]
-fn a_page_holds_all_it_shows_and_asks_for_nothing_else() {
+fn a_page_is_complete_and_loads_nothing() {
     let html = example("shapes4");
     assert!(html.starts_with("<!doctype html>") && html.trim_end().ends_with("</html>"));
     for wrong in ["http:", "https:", "src=\"/", "@import", "url(", "<link", "{{"] {
