@@ -39,6 +39,10 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 /// The same ray must give the same answer each time, and `closest_t` and `any` must agree with
 /// `closest`.
 ///
+/// A reference to a primitive, and with the feature `std` a `Box`, is a primitive too. So a list of
+/// `&dyn Primitive` or `Box<dyn Primitive>` can hold shapes of different types; a tree that is
+/// built on several threads asks for `+ Sync`.
+///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
 /// use rotund_geometry::{Aabb, Hit, Primitive, Ray, Sphere, rounding_error};
@@ -191,3 +195,6 @@ forward!(
     [] Quad => Quad,
     [<P: Primitive + ?Sized>] &P => P,
 );
+// For lists of shapes of different types, such as `Vec<Box<dyn Primitive + Sync>>`.
+#[cfg(feature = "std")]
+forward!([<P: Primitive + ?Sized>] std::boxed::Box<P> => P,);
