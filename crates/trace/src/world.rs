@@ -118,7 +118,7 @@ impl<'a> World<'a> {
         }
         // The memory of another camera's is free before that of this one is taken.
         *kept = None;
-        let near = Arc::new(Near::new(self.scene, camera, origin)?);
+        let near = Arc::new(Near::new(self.scene, &self.trees, camera, origin)?);
         *kept = Some(Arc::clone(&near));
         Ok(Some(near))
     }
