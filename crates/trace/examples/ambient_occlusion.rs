@@ -1,5 +1,5 @@
-//! An integrator of one's own: ambient occlusion, the share of the hemisphere above a point that nothing
-//! blocks within a distance. It shows contacts and creases without any light.
+//! An integrator of one's own: ambient occlusion, the share of the hemisphere above a point that
+//! nothing blocks within a distance. It shows contacts and creases without any light.
 //!
 //! ```text
 //! cargo run --release -p rotund-trace --example ambient_occlusion
@@ -22,7 +22,8 @@ pub(crate) fn occlusion(
     let camera = world.camera(camera)?;
     let size = [options.width, options.height];
     let mut film = Film::for_options(options)?;
-    // The closure runs on all threads. Its result depends on pixel and sample alone, so the film does too.
+    // The closure runs on all threads. Its result depends on pixel and sample alone, so the film
+    // does too.
     film.accumulate(options.samples, |x, y, sample| {
         let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
         let ray = camera_ray(camera, size, [x, y], &sampler);

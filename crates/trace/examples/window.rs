@@ -1,6 +1,6 @@
-//! The render loop of a window or a server: each frame renders until a deadline and shows what there is.
-//! The film keeps its samples between frames, so a picture at rest converges; a camera that moves begins a
-//! new film.
+//! The render loop of a window or a server: each frame renders until a deadline and shows what
+//! there is. The film keeps its samples between frames, so a picture at rest converges; a camera
+//! that moves begins a new film.
 //!
 //! ```text
 //! cargo run --release -p rotund-trace --example window
@@ -12,8 +12,9 @@ use rotund_trace::{Film, Options, RenderError, World, output};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Adds samples to a film until a deadline, and returns whether it is complete. Progress is reported at
-/// least every 0.1 s whatever the size of the picture, so the deadline is missed by no more than that.
+/// Adds samples to a film until a deadline, and returns whether it is complete. Progress is
+/// reported at least every 0.1 s whatever the size of the picture, so the deadline is missed by no
+/// more than that.
 pub(crate) fn render_frame(
     world: &World<'_>,
     film: &mut Film,

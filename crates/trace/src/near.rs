@@ -16,9 +16,9 @@ pub(crate) struct Near {
     pub(crate) facts: Facts,
 }
 
-/// Distance of the origin from the camera, in multiples of that of the farthest instance, above which the
-/// scene is moved. Positions have lost four bits there, which is not visible yet, so pictures of
-/// ordinary scenes do not depend on it.
+/// Distance of the origin from the camera, in multiples of that of the farthest instance, above
+/// which the scene is moved. Positions have lost four bits there, which is not visible yet, so
+/// pictures of ordinary scenes do not depend on it.
 const FAR: f32 = 16.0;
 
 /// Returns the point that should be the origin, if the actual origin is so far from the camera that
