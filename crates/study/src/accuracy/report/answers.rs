@@ -8,8 +8,8 @@ use crate::accuracy::{
     study::{ShapeResult, Study, Summary},
     targets::short,
     timing::Timing,
-    truth::Exact,
 };
+use crate::truth::Exact;
 use rotund_report::chart::escape;
 
 pub(super) fn section(body: &mut String, study: &Study) {

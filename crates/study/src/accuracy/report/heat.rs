@@ -10,8 +10,8 @@ use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere};
 use crate::accuracy::{
     methods::{Measured, Method},
     tally::Collector,
-    truth::Truth,
 };
+use crate::truth::Truth;
 
 /// Pixels of a side.
 const SIDE: u32 = 128;

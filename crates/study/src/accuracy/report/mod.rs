@@ -13,8 +13,8 @@ use super::{
     study::{Options, Study},
     targets::{Verdict, short},
     timing::unsteady,
-    truth::Exact,
 };
+use crate::truth::Exact;
 use rotund_report::chart::escape;
 
 /// The page.
@@ -141,7 +141,7 @@ mod tests {
         assert!(html.matches("data:image/png").count() >= 10, "two maps for each method");
         let case =
             html.split("\"case\"><code>").nth(1).and_then(|c| c.split('<').next()).expect("a case");
-        assert!(case.parse::<crate::accuracy::replay::Case>().is_ok(), "{case}");
+        assert!(case.parse::<crate::accuracy::case::Case>().is_ok(), "{case}");
         for tag in ["table", "tr", "td", "svg", "figure", "details", "div", "p"] {
             let open = html.matches(&format!("<{tag}>")).count()
                 + html.matches(&format!("<{tag} ")).count();
