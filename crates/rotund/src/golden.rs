@@ -1,14 +1,14 @@
 //! `golden`: small pictures checked against stored references.
 //!
 //! Renders small pictures, compares each with its reference and fails with a page that shows what
-//! differs. Pictures are those of the scene files that are named, each by the methods that it asks for; or
-//! those of all scene files in the folder of the references, each by both methods.
+//! differs. Pictures are those of the scene files that are named, each by the methods that it asks
+//! for; or those of all scene files in the folder of the references, each by both methods.
 //!
-//! Light is compared by a statistical test, so the check accepts another processor, sampler or order of
-//! sums and still sees a change by one percent: see [`rotund_golden::verdict`]. The check renders with
-//! other random numbers than the reference, which the test requires. What each camera ray hits has no
-//! noise, and one ray that goes wrong is found: see [`rotund_golden::surface`]. `--isa all` repeats the
-//! check with every instruction set that the trees have code for.
+//! Light is compared by a statistical test, so the check accepts another processor, sampler or
+//! order of sums and still sees a change by one percent: see [`rotund_golden::verdict`]. The check
+//! renders with other random numbers than the reference, which the test requires. What each camera
+//! ray hits has no noise, and one ray that goes wrong is found: see [`rotund_golden::surface`].
+//! `--isa all` repeats the check with every instruction set that the trees have code for.
 //!
 //! # Golden pictures of your own scenes
 //!
@@ -46,8 +46,8 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Scene files to check pictures of, each by the methods that it asks for. Without any: all scene
-    /// files in the folder of the references, each by both methods.
+    /// Scene files to check pictures of, each by the methods that it asks for. Without any: all
+    /// scene files in the folder of the references, each by both methods.
     #[arg(requires = "dir")]
     scenes: Vec<PathBuf>,
     /// Folder of the references; `--bless` makes it if need be.
@@ -74,8 +74,8 @@ pub struct Args {
     /// Render with independent random numbers instead of Sobol points; the check must accept both.
     #[arg(long, conflicts_with = "bless")]
     independent: bool,
-    /// Instruction sets to traverse trees with, or `all` that this processor has. Default: the one that
-    /// the environment variable ROTUND_ISA names, else the fastest.
+    /// Instruction sets to traverse trees with, or `all` that this processor has. Default: the one
+    /// that the environment variable ROTUND_ISA names, else the fastest.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "bless")]
     isa: Vec<String>,
     /// Print a JSON list with an object for each picture instead of a table.

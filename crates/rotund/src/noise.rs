@@ -1,9 +1,9 @@
 //! `noise <scene> --reference FILE`: noise against render time, for both samplers.
 //!
-//! Noise is `mean((a - b)² / (b² + 0.01))` against the reference, without the worst 0.1 % of the pixels.
-//! With plain Monte Carlo it falls as one over the time, so seconds times noise is a figure of merit
-//! that does not depend on the number of samples. The measurement includes the noise of the reference,
-//! which therefore should have many more samples.
+//! Noise is `mean((a - b)² / (b² + 0.01))` against the reference, without the worst 0.1 % of the
+//! pixels. With plain Monte Carlo it falls as one over the time, so seconds times noise is a figure
+//! of merit that does not depend on the number of samples. The measurement includes the noise of
+//! the reference, which therefore should have many more samples.
 
 use crate::cancel::Cancelled;
 use crate::kinds::enhance;
@@ -79,8 +79,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
             |film: &Film| trimmed_relative_error(&film.image(), &reference).unwrap_or(f64::NAN);
         let mut read = |film: &Film| {
             let now = start.elapsed();
-            // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number of
-            // samples of a film rises at the end of a pass, when all pixels have as many.
+            // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number
+            // of samples of a film rises at the end of a pass, when all pixels have as many.
             let due = readings.last().map_or(1, |last| 2 * last.samples).min(options.samples);
             if film.samples() >= due {
                 readings.push(Reading {
