@@ -10,7 +10,7 @@ use crate::accuracy::{
     timing::Timing,
 };
 use crate::truth::Exact;
-use rotund_report::chart::escape;
+use rotund_report::html::escape;
 
 pub(super) fn section(body: &mut String, study: &Study) {
     let find = |name: &str| study.shapes.iter().find(|s| s.shape == name && !s.timings.is_empty());

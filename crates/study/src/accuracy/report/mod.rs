@@ -15,7 +15,7 @@ use super::{
     timing::unsteady,
 };
 use crate::truth::Exact;
-use rotund_report::chart::escape;
+use rotund_report::html::{self, escape};
 
 /// The page.
 pub(super) fn page(study: &Study, verdicts: &[Verdict], options: &Options) -> Result<String> {
@@ -56,12 +56,7 @@ pub(super) fn page(study: &Study, verdicts: &[Verdict], options: &Options) -> Re
     }
     answers::section(&mut body, study);
     body += include_str!("how.html");
-    Ok(format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width\"><title>Rotund: speed against error</title><style>{}</style></head>\
-         <body>{body}</body></html>\n",
-        rotund_report::STYLE,
-    ))
+    Ok(html::page("Rotund: speed against error", "", &body))
 }
 
 fn heading(shape: &str) -> &'static str {
