@@ -1,19 +1,17 @@
 //! `moved <scene>`: does a picture stay the same where the world is far away, tiny or huge?
 //!
-//! Renders the enhanced picture of a scene as it is; then with everything moved away from the origin,
-//! and with everything modelled in other units, camera included, so that the pictures should be the
-//! same. What is left is rounding: positions in single precision have 24 bits, so at 10 km from the
-//! origin they are a multiple of a millimeter. To tell it from noise, the picture with another seed
-//! is held against the first as well.
+//! Renders the enhanced picture of a scene unchanged; then with everything moved away from the
+//! origin, and with everything modelled in other units, camera included, so that the pictures should
+//! be the same. The differences that remain are rounding: positions in single precision have 24 bits,
+//! so at 10 km from the origin they are multiples of a millimeter. To tell rounding from noise, the
+//! picture with another seed is compared with the first as well.
 
 use anyhow::{Result, bail};
-use glam::{DAffine3, DVec3};
 use rotund::{Cancelled, PictureArgs, enhance, prepare_folder, take, write_text};
-use rotund_image::Difference;
-use rotund_image::metrics::Metrics;
-use rotund_image::{Picture, write_png};
+use rotund_image::{Difference, Image, Metrics};
 use rotund_report::console::{Table, say};
 use rotund_scene::Scene;
+use rotund_study::placement::placed;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -62,28 +60,28 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let mut variants =
         vec![Variant { name: "another-seed".into(), scene: scene.clone(), seed: seed ^ 1 << 63 }];
     for &offset in &args.offset {
-        let scene = place(&scene, 1.0, DVec3::splat(offset));
+        let scene = placed(&scene, 1.0, offset);
         variants.push(Variant { name: format!("offset-{offset}"), scene, seed });
     }
     for &scale in &args.scale {
-        let scene = place(&scene, scale, DVec3::ZERO);
+        let scene = placed(&scene, scale, 0.0);
         variants.push(Variant { name: format!("scale-{scale}"), scene, seed });
     }
 
-    let picture = |scene: &Scene, seed, label: &str| -> Result<Picture> {
+    let picture = |scene: &Scene, seed, label: &str| -> Result<Image> {
         let options = rotund_trace::Options { seed, ..options.clone() };
         let shot = args.picture.shot.with_threads(|| take(scene, camera, &options, label))?;
         if shot.interrupted {
             bail!(Cancelled(format!("{} holds the pictures before {label}", folder.display())));
         }
         rotund_trace::output::write(folder.join(format!("{label}.png")), &shot.film)?;
-        Ok(Picture::from(&shot.film.image()))
+        Ok(shot.film.image())
     };
     let base = picture(&scene, seed, "as-it-is")?;
     let mut rows: Vec<(String, Metrics)> = Vec::new();
     for Variant { name, scene, seed } in variants {
         let difference = Difference::between(&picture(&scene, seed, &name)?, &base)?;
-        write_png(&folder.join(format!("{name}-flip.png")), &difference.flip_map())?;
+        difference.flip_map().write(folder.join(format!("{name}-flip.png")))?;
         rows.push((name, difference.metrics));
     }
 
@@ -107,51 +105,4 @@ fn table(rows: &[(String, Metrics)]) -> Table {
         ]);
     }
     table
-}
-
-/// The same scene, `scale` times as large in its own data, then moved by its frames.
-fn place(scene: &Scene, scale: f64, offset: DVec3) -> Scene {
-    let mut scene = scene.clone();
-    let factor = scale as f32;
-    for shape in &mut scene.shapes {
-        shape.positions.iter_mut().for_each(|position| *position *= factor);
-        shape.radii.iter_mut().for_each(|radius| *radius *= factor);
-    }
-    let frame = |frame: glam::Affine3A| {
-        let frame = frame.as_daffine3();
-        let translation = offset + scale * frame.translation;
-        DAffine3 { translation, ..frame }.as_affine3a()
-    };
-    for instance in &mut scene.instances {
-        instance.world_from_object = frame(instance.world_from_object);
-    }
-    for camera in &mut scene.cameras {
-        camera.world_from_camera = frame(camera.world_from_camera);
-        camera.focus *= factor;
-        camera.aperture *= factor;
-        if camera.orthographic {
-            camera.film *= factor;
-        }
-    }
-    scene.materials.iter_mut().for_each(|material| material.trdepth *= factor);
-    scene
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-    use rotund_scene::{Camera, Material};
-
-    #[test]
-    fn everything_with_a_length_is_scaled_and_frames_carry_the_offset() {
-        let camera = Camera { aperture: 0.1, focus: 2.0, ..Camera::default() };
-        let material = Material { trdepth: 0.5, ..Material::default() };
-        let scene = Scene { cameras: vec![camera], materials: vec![material], ..Scene::default() };
-        let placed = place(&scene, 10.0, DVec3::new(1.0, 2.0, 3.0));
-        let camera = &placed.cameras[0];
-        assert_eq!(Vec3::from(camera.world_from_camera.translation), Vec3::new(1.0, 2.0, 3.0));
-        assert_eq!((camera.aperture, camera.focus, camera.film), (1.0, 20.0, 0.036));
-        assert_eq!(placed.materials[0].trdepth, 5.0);
-    }
 }

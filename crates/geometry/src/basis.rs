@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// Completes the unit vector `n` to a right-handed orthonormal basis `(x, y, n)`, and returns `x,
-/// y`.
+/// Completes the unit vector `n` to a right-handed orthonormal basis `(x, y, n)`, and returns
+/// `x, y`.
 ///
 /// They vary smoothly with `n` except where `n.z` changes sign. The computation has no branch and
 /// no normalisation; its error is a few units in the last place.

@@ -59,8 +59,8 @@ pub(crate) const CANCELLATION: f64 = 1.0 / 65_536.0;
 /// share of the discriminant that is left.
 ///
 /// At a distance of `D` radii the moment of a ray is known to `2⁻⁵³ D` radii, and the discriminant,
-/// as a share of its terms, to twice that; half the chord, which is `h`, to `2⁻⁵³ D / h`. So the
-/// normal is known to `2⁻²⁸`.
+/// as a share of its terms, to twice that; half the chord, which is `h` radii, to `2⁻⁵³ D / h`. So
+/// the normal is known to `2⁻²⁸`.
 pub(crate) const FAR: f64 = (1_u64 << 50) as f64;
 
 #[inline(always)]

@@ -2,8 +2,8 @@
 //! surface.
 //!
 //! A ray that leaves a surface, as nearly all rays of a path do, has a root at about `t = 0`, at a
-//! small negative value. The value hangs on digits that an `f64` does not have, but its sign can be
-//! found with fewer digits. The solids are convex: a plane that separates the ray from the solid
+//! small negative value. The value depends on digits that an `f64` does not have, but its sign can
+//! be found with fewer digits. The solids are convex: a plane that separates the ray from the solid
 //! shows that a ray outside misses. For a ray that starts inside, the entry lies before the origin
 //! and the exit does not.
 //!

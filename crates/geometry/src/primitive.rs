@@ -5,12 +5,11 @@ use glam::{Vec2, Vec3};
 use crate::vanilla::{Line, Point, Quad};
 use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 
-/// A shape that a ray can hit: what a tree over shapes, a picker or an integrator needs to know of
-/// it.
+/// A shape that a ray can hit: the interface that trees, pickers and integrators use.
 ///
-/// The seven shapes of this crate implement it by their methods of the same names, so a program
-/// that names its shapes need not import it. Implement it for a shape of your own to use it in the
-/// same places, for example in the trees of `rotund-bvh`.
+/// The seven shapes of this crate implement it. Their own methods have the same names, so a program
+/// that calls them on a concrete shape need not import the trait. Implement it for your own shape
+/// to use that in the same places, for example in the trees of `rotund-bvh`.
 ///
 /// # Implementing it
 ///
@@ -23,8 +22,8 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 ///   crossing before `t_min` must not hide a later one. [`Ray::accept`] rounds a root and tests the
 ///   interval.
 /// - **NaN**: a NaN or an infinity in the ray or in the shape, and a zero direction, are a miss,
-///   `None`. No number of a hit is NaN. Write comparisons so that a NaN fails: `if !(x >= 0.0) {
-///   return None; }`.
+///   `None`. No number of a hit is NaN. Write comparisons so that a NaN fails:
+///   `if !(x >= 0.0) { return None; }`.
 /// - **`position`** is the point of the surface; **`error`** bounds its distance from the exact
 ///   surface. If the point is computed in `f64` and rounded once,
 ///   [`rounding_error`](crate::rounding_error) is the bound. An error that is too small lets a
@@ -39,6 +38,10 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 ///
 /// The same ray must give the same answer each time, and `closest_t` and `any` must agree with
 /// `closest`.
+///
+/// A reference to a primitive, and with the feature `std` a `Box`, is a primitive too. So a list of
+/// `&dyn Primitive` or `Box<dyn Primitive>` can hold shapes of different types; a tree that is
+/// built on several threads asks for `+ Sync`.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
@@ -95,7 +98,7 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 /// assert!(!disc.any(&Ray::new(Vec3::ZERO, Vec3::NAN)));
 /// ```
 pub trait Primitive {
-    /// Returns a box that holds the shape and every position that [`closest`](Self::closest)
+    /// Returns a box that contains the shape and every position that [`closest`](Self::closest)
     /// reports.
     ///
     /// Trees skip a shape if the ray misses this box. A shape that no ray can hit may return any
@@ -104,8 +107,8 @@ pub trait Primitive {
 
     /// Returns the first crossing of the surface with `t` in `ray.t_min..=ray.t_max`.
     ///
-    /// A ray that starts inside a solid reports where it leaves. The page of the trait says what a
-    /// hit must hold.
+    /// A ray that starts inside a solid reports where it leaves. The documentation of the trait
+    /// lists the requirements on a hit.
     fn closest(&self, ray: &Ray) -> Option<Hit>;
 
     /// Returns the `t` of [`closest`](Self::closest), the same bits. Override it if that is
@@ -135,41 +138,44 @@ pub trait Primitive {
     fn normal(&self, uv: Vec2) -> Vec3;
 }
 
+// The forwarders are always inlined, so that callers that are compiled for an instruction set, as
+// the trees of `rotund-bvh`, inline the intersection itself and not a call to a copy without that
+// set.
 macro_rules! forward {
     ($([$($generic:tt)*] $type:ty => $shape:ty,)+) => {
         $(
             impl $($generic)* Primitive for $type {
-                #[inline]
+                #[inline(always)]
                 fn bounds(&self) -> Aabb {
                     <$shape>::bounds(self)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn closest(&self, ray: &Ray) -> Option<Hit> {
                     <$shape>::closest(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn closest_t(&self, ray: &Ray) -> Option<f32> {
                     <$shape>::closest_t(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn any(&self, ray: &Ray) -> bool {
                     <$shape>::any(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn uv(&self, hit: &Hit) -> Vec2 {
                     <$shape>::uv(self, hit)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn position(&self, uv: Vec2) -> Vec3 {
                     <$shape>::position(self, uv)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn normal(&self, uv: Vec2) -> Vec3 {
                     <$shape>::normal(self, uv)
                 }
@@ -189,3 +195,6 @@ forward!(
     [] Quad => Quad,
     [<P: Primitive + ?Sized>] &P => P,
 );
+// For lists of shapes of different types, such as `Vec<Box<dyn Primitive + Sync>>`.
+#[cfg(feature = "std")]
+forward!([<P: Primitive + ?Sized>] std::boxed::Box<P> => P,);

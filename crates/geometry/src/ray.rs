@@ -1,4 +1,4 @@
-//! A ray, and where it meets a primitive.
+//! Rays and their hits.
 
 use glam::{Vec2, Vec3};
 
@@ -6,8 +6,17 @@ use crate::float::{UNIT_ROUNDOFF, leave_surface};
 
 /// The points `origin + t * direction` with `t` in `t_min..=t_max`.
 ///
-/// The direction may have any length but zero; `t` counts in units of it. An interval that is empty
-/// or has a NaN end meets nothing.
+/// The direction may have any length but zero; `t` counts in units of it. A ray whose interval is
+/// empty or has a NaN end misses everything.
+///
+/// ```
+/// use rotund_geometry::{Ray, glam::Vec3};
+///
+/// let ray = Ray::new(Vec3::ZERO, Vec3::X);
+/// assert_eq!((ray.t_min, ray.t_max), (0.0, f32::INFINITY));
+/// let segment = Ray { t_max: 2.5, ..ray };
+/// assert_eq!(segment.at(segment.t_max), Vec3::new(2.5, 0.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
@@ -21,6 +30,13 @@ pub struct Ray {
     /// The largest `t` that counts as a hit.
     #[cfg_attr(feature = "serde", serde(default = "unbounded::none", with = "unbounded"))]
     pub t_max: f32,
+}
+
+/// The ray from the origin along `-z`, the view direction of a camera, on to infinity.
+impl Default for Ray {
+    fn default() -> Self {
+        Self::new(Vec3::ZERO, Vec3::NEG_Z)
+    }
 }
 
 impl Ray {
@@ -38,9 +54,9 @@ impl Ray {
 
     /// Rounds `t` to `f32`; returns `None` if the result is not finite or not in `t_min..=t_max`.
     ///
-    /// All primitives decide by this whether a root counts. The rounded value decides, because
-    /// callers see that one: a hit is always within its interval, and is found again if it becomes
-    /// an end of the interval. A NaN, in `t` or at an end of the interval, gives `None`.
+    /// All primitives decide by this test whether a root counts. It tests the rounded value, which
+    /// is the one that callers see: a hit is always within its interval, and is found again if it
+    /// becomes an end of the interval. A NaN, in `t` or at an end of the interval, gives `None`.
     #[must_use]
     #[inline]
     pub fn accept(&self, t: f64) -> Option<f32> {
@@ -52,7 +68,7 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a primitive.
+/// The point at which a ray hits a primitive.
 ///
 /// The ray enters a solid, or comes from the front of a surface, if `normal.dot(ray.direction)` is
 /// negative, and leaves it otherwise.
@@ -61,21 +77,21 @@ impl Ray {
 pub struct Hit {
     /// Position along the ray, in units of `Ray::direction`, which need not have unit length.
     pub t: f32,
-    /// The point itself, more accurate than `ray.at(t)`.
+    /// The point, more accurate than `ray.at(t)`.
     pub position: Vec3,
     /// Bound on the distance from `position` to the exact surface. [`Hit::spawn`] steps off by it.
     pub error: f32,
     /// Geometric normal: unit length, out of the solid, whichever side the ray came from. A patch,
     /// a triangle or a quad points where its parameters turn counter-clockwise.
     pub normal: Vec3,
-    /// Numbers from which the primitive's `uv` computes the parameters of the point. Each primitive
-    /// stores what its intersection has at hand, so they are no parameters themselves.
+    /// Intermediate values of the intersection, from which `uv` of the same primitive computes the
+    /// surface parameters. Their meaning depends on the primitive.
     pub parameters: Vec2,
 }
 
 impl Hit {
-    /// Returns the ray from this point in `direction`, of any length, that does not meet the
-    /// surface it starts on again by rounding alone.
+    /// Returns the ray from this point in `direction`, of any length, which rounding alone cannot
+    /// make hit the same surface again.
     ///
     /// The origin is [`leave_surface`] of this hit, on the side that `direction` points to: outside
     /// for a reflection, inside for a refraction. The interval is `0.0..=f32::INFINITY`.
@@ -101,9 +117,9 @@ impl Hit {
     /// Returns the ray from this point towards `point`, at `t = 1`, for visibility tests: `any` is
     /// true if a primitive lies in between.
     ///
-    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, since the rounding of `t`
-    /// could otherwise report a surface on which `point` lies. That covers points at which the ray
-    /// does not graze; between two hits, step off both surfaces:
+    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, because the rounding of `t`
+    /// could otherwise report a surface on which `point` lies. This suffices unless the ray grazes
+    /// that surface. Between two hits, step off both surfaces:
     ///
     /// ```
     /// use rotund_geometry::{Ray, Sphere, glam::Vec3};
@@ -125,7 +141,7 @@ impl Hit {
     }
 }
 
-/// The form of a `t_max` for serde: none, which JSON writes as `null`, for infinity.
+/// Serializes `t_max` as an option that is none, in JSON `null`, for infinity.
 #[cfg(feature = "serde")]
 mod unbounded {
     use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};

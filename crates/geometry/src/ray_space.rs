@@ -7,11 +7,11 @@ use crate::f64x2::{F64x2, Mask};
 
 /// The projection of points along a ray onto a plane.
 ///
-/// The plane is spanned by the two axes other than the dominant axis `z` of the direction: `x = f_x
-/// d_z - f_z d_x`, `y = f_y d_z - f_z d_y`, with `f` the point minus the origin of the ray. The
-/// image of a vertex depends on nothing but the ray and the vertex. Two patches that share a vertex
-/// therefore project it to the same bits, whatever their other vertices are: this makes shared
-/// edges watertight.
+/// The plane is spanned by the two axes other than the dominant axis `z` of the direction:
+/// `x = f_x d_z - f_z d_x`, `y = f_y d_z - f_z d_y`, with `f` the point minus the origin of the
+/// ray. The image of a vertex depends on nothing but the ray and the vertex. Two patches that share
+/// a vertex therefore project it to the same bits, whatever their other vertices are: this makes
+/// shared edges watertight.
 ///
 /// Source: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 /// Here the division by `d_z` is left out, so the image is scaled by it.

@@ -2,12 +2,12 @@
 //!
 //! # Derivation
 //!
-//! With `f = o - c`, the ray `f + t d` meets `|x| = r` where `a t² + 2 b t + g = 0`, `a = d·d`, `b
-//! = f·d`, `g = f·f - r²`. The textbook discriminant `b² - a g` subtracts two numbers of the size
-//! `a f·f` to find one of the size `a r²`: at a distance of `1000 r` no digit of an `f32` is left.
-//! By Lagrange's identity `(f·f)(d·d) - (f·d)² = |f × d|²` the discriminant is `a r² - |f × d|²`,
-//! which compares the radius with the distance of the line from the center. Neither term grows with
-//! the distance of the origin along the ray.
+//! With `f = o - c`, the ray `f + t d` crosses `|x| = r` where `a t² + 2 b t + g = 0`, `a = d·d`,
+//! `b = f·d`, `g = f·f - r²`. The textbook discriminant `b² - a g` subtracts two numbers of the
+//! size `a f·f` to find one of the size `a r²`: at a distance of `1000 r` no digit of an `f32` is
+//! left. By Lagrange's identity `(f·f)(d·d) - (f·d)² = |f × d|²` the discriminant is
+//! `a r² - |f × d|²`, which compares the radius with the distance of the line from the center.
+//! Neither term grows with the distance of the origin along the ray.
 //!
 //! In `f64` the difference `o - c` of two `f32` is exact unless their exponents are far apart, and
 //! so are most of the products. The results are rounded to `f32` once. No square of finite `f32`

@@ -1,80 +1,43 @@
-//! The colour spaces in which differences are measured.
+//! The sRGB transfer function and luminance.
 
-use glam::{Mat3, Vec3};
 use std::sync::LazyLock;
 
-/// Linear RGB with BT.709 primaries to CIE XYZ, from the exact chromaticities of the primaries and
-/// of D65 (0.3127, 0.3290).
-static XYZ_FROM_RGB: LazyLock<Mat3> = LazyLock::new(|| {
-    Mat3::from_cols(
-        Vec3::new(
-            (10_135_552.0 / 24_577_794.0) as f32,
-            (2_613_072.0 / 12_288_897.0) as f32,
-            (1_425_312.0 / 73_733_382.0) as f32,
-        ),
-        Vec3::new(
-            (8_788_810.0 / 24_577_794.0) as f32,
-            (8_788_810.0 / 12_288_897.0) as f32,
-            (8_788_810.0 / 73_733_382.0) as f32,
-        ),
-        Vec3::new(
-            (4_435_075.0 / 24_577_794.0) as f32,
-            (887_015.0 / 12_288_897.0) as f32,
-            (70_074_185.0 / 73_733_382.0) as f32,
-        ),
-    )
-});
-static RGB_FROM_XYZ: LazyLock<Mat3> = LazyLock::new(|| XYZ_FROM_RGB.inverse());
-/// XYZ of the white point: what RGB (1, 1, 1) maps to.
-static WHITE: LazyLock<Vec3> = LazyLock::new(|| *XYZ_FROM_RGB * Vec3::ONE);
+static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
 
-/// Relative luminance with the weights of ITU-R BT.709.
-pub fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
-/// IEC 61966-2-1, decoded.
-pub fn linear_from_srgb(color: Vec3) -> Vec3 {
-    map(color, |c| if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) })
-}
-
-/// IEC 61966-2-1, encoded; values are clipped to `0.0..=1.0` and NaN becomes black.
-pub fn srgb_from_linear(color: Vec3) -> Vec3 {
-    map(color, |c| if c.is_nan() { 0.0 } else { crate::srgb_from_linear(c) })
-}
-
-/// The 8-bit sRGB pixel that a screen gets for a linear colour.
-pub fn srgb_bytes(color: Vec3) -> [u8; 3] {
-    (srgb_from_linear(color) * 255.0).round().to_array().map(|c| c as u8)
-}
-
-/// L*a*b* without its cube root: linear in light, and opponent. Its `x` runs from -16 to 100.
+/// Decodes an sRGB value: returns the linear value of `encoded`. Nothing is clipped.
 ///
-/// Source: X. Zhang, B. Wandell, "A spatial extension of CIELAB for digital color-image
-/// reproduction", 1997, there YCxCz.
-pub fn opponent_from_rgb(rgb: Vec3) -> Vec3 {
-    let xyz = *XYZ_FROM_RGB * rgb / *WHITE;
-    Vec3::new(116.0 * xyz.y - 16.0, 500.0 * (xyz.x - xyz.y), 200.0 * (xyz.y - xyz.z))
+/// Source: IEC 61966-2-1:1999.
+#[inline]
+#[must_use]
+pub fn linear_from_srgb(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The inverse of [`opponent_from_rgb`].
-pub fn rgb_from_opponent(opponent: Vec3) -> Vec3 {
-    let y = (opponent.x + 16.0) / 116.0;
-    let xyz = Vec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0);
-    *RGB_FROM_XYZ * (xyz * *WHITE)
+/// Encodes a linear value in sRGB. The value is clipped to `0.0..=1.0` first; NaN stays NaN.
+///
+/// Source: IEC 61966-2-1:1999.
+#[inline]
+#[must_use]
+pub fn srgb_from_linear(linear: f32) -> f32 {
+    let linear = linear.clamp(0.0, 1.0);
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// CIE 1976 L*a*b*.
-pub fn lab_from_rgb(rgb: Vec3) -> Vec3 {
-    const DELTA: f32 = 6.0 / 29.0;
-    let f = map(*XYZ_FROM_RGB * rgb / *WHITE, |t| {
-        if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
-    });
-    Vec3::new(116.0 * f.y - 16.0, 500.0 * (f.x - f.y), 200.0 * (f.y - f.z))
+/// Returns the linear value of each 8-bit sRGB value: entry `byte` is [`linear_from_srgb`] of
+/// `byte / 255`.
+#[inline]
+#[must_use]
+pub fn linear_from_srgb_table() -> &'static [f32; 256] {
+    &LINEAR_FROM_SRGB
 }
 
-fn map(color: Vec3, f: impl Fn(f32) -> f32) -> Vec3 {
-    Vec3::new(f(color.x), f(color.y), f(color.z))
+/// Returns the relative luminance of a linear RGB pixel with the weights of ITU-R BT.709. Alpha is
+/// ignored.
+#[inline]
+#[must_use]
+pub fn luminance([r, g, b, _]: [f32; 4]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 #[cfg(test)]
@@ -82,26 +45,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn known_colors_have_their_published_lab() {
-        // B. Lindbloom's CIE calculator, sRGB with D65.
-        let table = [
-            ("white", Vec3::ONE, Vec3::new(100.0, 0.0, 0.0)),
-            ("red", Vec3::X, Vec3::new(53.24, 80.09, 67.20)),
-            ("green", Vec3::Y, Vec3::new(87.73, -86.18, 83.18)),
-            ("blue", Vec3::Z, Vec3::new(32.30, 79.19, -107.86)),
-            ("black", Vec3::ZERO, Vec3::ZERO),
-        ];
-        for (name, rgb, lab) in table {
-            assert!(lab_from_rgb(rgb).abs_diff_eq(lab, 0.03), "{name}: {}", lab_from_rgb(rgb));
+    fn the_two_transfer_functions_are_inverse() {
+        for i in 0..=1000 {
+            let linear = i as f32 / 1000.0;
+            let back = linear_from_srgb(srgb_from_linear(linear));
+            assert!((back - linear).abs() < 2e-6, "{linear} became {back}");
         }
-    }
-
-    #[test]
-    fn the_opponent_space_and_srgb_lead_back() {
-        for rgb in [Vec3::new(0.2, 0.7, 0.01), Vec3::ONE, Vec3::ZERO] {
-            assert!(rgb_from_opponent(opponent_from_rgb(rgb)).abs_diff_eq(rgb, 2e-6), "{rgb}");
-            assert!(linear_from_srgb(srgb_from_linear(rgb)).abs_diff_eq(rgb, 2e-6), "{rgb}");
-        }
-        assert_eq!(srgb_bytes(Vec3::new(f32::NAN, 7.0, -1.0)), [0, 255, 0]);
+        assert_eq!((srgb_from_linear(-1.0), srgb_from_linear(0.0)), (0.0, 0.0));
+        assert_eq!(srgb_from_linear(7.0), srgb_from_linear(1.0));
+        assert!(srgb_from_linear(f32::NAN).is_nan());
     }
 }

@@ -1,17 +1,16 @@
-//! FLIP: how much a person sees who flips between two pictures.
+//! FLIP: how visible the difference is to a person who flips between two images.
 //!
-//! For each pixel a number from 0 (not visible) to 1 (as different as can be): the difference in
-//! colour after the blur of the eye, raised the more, the more edges and points differ.
+//! Each pixel gets an error from 0 (invisible) to 1 (the largest possible difference): the
+//! difference in colour after a model of the eye's blur, increased where edges and points differ.
 //!
 //! Source: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild,
 //! "FLIP: A Difference Evaluator for Alternating Images", Proceedings of the ACM on Computer
 //! Graphics and Interactive Techniques 3(2), 2020. Symbols of the paper are given where a constant
-//! appears. What is compared are pictures as a screen shows them (LDR-FLIP): linear values are
-//! clipped to `0.0..=1.0` first, NaN counts as black.
+//! appears.
 
-use crate::color::{lab_from_rgb, opponent_from_rgb, rgb_from_opponent};
-use crate::convolve::Plane;
-use crate::picture::Picture;
+use crate::error::{CompareError, same_size};
+use crate::opponent::{lab_from_rgb, opponent_from_rgb, rgb_from_opponent};
+use crate::{Image, Plane};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
@@ -46,25 +45,33 @@ const SENSITIVITY: [&[Gaussian]; 3] = [
 /// The widest of them decides how far all filters reach.
 const WIDEST: f32 = 0.04;
 
-/// The FLIP error of each pixel, in `0.0..=1.0`. It is symmetric in its arguments.
+/// Returns the LDR-FLIP error of each pixel, in `0.0..=1.0`: how visible the difference is to a
+/// person who flips between the two images on a screen.
 ///
-/// # Panics
+/// Linear values are clipped to `0.0..=1.0` first, and NaN counts as black. Alpha is ignored. The
+/// viewer is that of the paper: 0.7 m from a screen that is 0.7 m wide and has 3840 pixels. The
+/// result is symmetric in the arguments.
 ///
-/// If the pictures differ in size.
-pub fn flip(a: &Picture, b: &Picture) -> Plane {
-    assert_eq!((a.width, a.height), (b.width, b.height), "pictures of the same size");
-    let [a, b] = [a, b].map(|picture| {
-        let opponent: Vec<Vec3> = picture
+/// Source: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", Proceedings
+/// of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
+///
+/// # Errors
+///
+/// If the images differ in size.
+pub fn flip(a: &Image, b: &Image) -> Result<Plane, CompareError> {
+    same_size(a, b)?;
+    let [a, b] = [a, b].map(|image| {
+        let opponent: Vec<Vec3> = image
             .pixels
             .par_iter()
-            .map(|&color| opponent_from_rgb(Vec3::from(color.to_array().map(clip))))
+            .map(|&[r, g, b, _]| opponent_from_rgb(Vec3::from([r, g, b].map(clip))))
             .collect();
-        (opponent, picture.width, picture.height)
+        (opponent, image.width as usize, image.height as usize)
     });
     let color = color_difference(&a, &b);
     let feature = feature_difference(&a, &b);
     let values = color.iter().zip(&feature).map(|(c, f)| c.powf(1.0 - f)).collect();
-    Plane { width: a.1, height: a.2, values }
+    Ok(Plane { width: a.1, height: a.2, values })
 }
 
 /// Opponent colours, width and height.
@@ -80,7 +87,8 @@ fn channel((pixels, width, height): &Opponent, index: usize) -> Plane {
     Plane { width: *width, height: *height, values }
 }
 
-/// Section 4.1: blur as the eye does, then measure in a space where distances match perception.
+/// Section 4.1: blurs both images by the contrast sensitivity of the eye, then measures distances
+/// in a space where they match perception.
 fn color_difference(a: &Opponent, b: &Opponent) -> Vec<f32> {
     let largest = hyab(hunt(lab_from_rgb(Vec3::Y)), hunt(lab_from_rgb(Vec3::Z)));
     let largest = largest.powf(COLOR_EXPONENT);
@@ -100,7 +108,7 @@ fn color_difference(a: &Opponent, b: &Opponent) -> Vec<f32> {
         .collect()
 }
 
-/// The picture after the blur of the eye, in L*a*b* with Hunt's adjustment.
+/// Returns the image after the blur of the eye, in L*a*b* with Hunt's adjustment.
 fn seen(picture: &Opponent) -> Vec<Vec3> {
     let filtered = [0, 1, 2].map(|index| filter_channel(&channel(picture, index), index));
     (0..picture.0.len())
@@ -139,19 +147,19 @@ fn filter_channel(plane: &Plane, index: usize) -> Plane {
     Plane { values: filtered, ..*plane }
 }
 
-/// Dark colours look less colourful: R. W. G. Hunt's effect, as the paper models it.
+/// Scales chroma by lightness, because dark colours look less colourful (the Hunt effect).
 fn hunt(lab: Vec3) -> Vec3 {
     Vec3::new(lab.x, 0.01 * lab.x * lab.y, 0.01 * lab.x * lab.z)
 }
 
-/// HyAB: city blocks in lightness, Euclid in chroma (S. Abasi et al., "Distance metrics for very
-/// large color differences", 2020).
+/// HyAB distance: city-block in lightness, Euclidean in chroma (S. Abasi et al., "Distance metrics
+/// for very large color differences", 2020).
 fn hyab(a: Vec3, b: Vec3) -> f32 {
     let d = a - b;
     d.x.abs() + d.y.hypot(d.z)
 }
 
-/// Section 4.2: edges and points that only one of the pictures has.
+/// Section 4.2: measures edges and points that only one of the images has.
 fn feature_difference(a: &Opponent, b: &Opponent) -> Vec<f32> {
     let [a, b] = [a, b].map(|picture| {
         let mut lightness = channel(picture, 0);
@@ -173,8 +181,8 @@ fn feature_difference(a: &Opponent, b: &Opponent) -> Vec<f32> {
         .collect()
 }
 
-/// A Gaussian and its first and second derivatives, in one dimension. The weights of the Gaussian
-/// sum to 1; those of a derivative to 1 over its positive and to -1 over its negative ones.
+/// Returns a Gaussian and its first and second derivatives, in one dimension. The weights of the
+/// Gaussian sum to 1. Of a derivative, the positive weights sum to 1 and the negative ones to -1.
 fn feature_filters() -> [Vec<f32>; 3] {
     let deviation = 0.5 * FEATURE_DEGREES * PIXELS_PER_DEGREE;
     let reach = (3.0 * deviation).ceil() as i32;
@@ -186,23 +194,25 @@ fn feature_filters() -> [Vec<f32>; 3] {
         let negative: f32 = -weights.iter().filter(|&&w| w < 0.0).sum::<f32>();
         weights.iter().map(|&w| if w > 0.0 { w / positive } else { w / negative }).collect()
     };
-    // The Gaussian has no negative weight to be divided by that sum of none.
+    // The Gaussian has no negative weights, so its empty negative sum divides nothing.
     [sample(|_, _| 1.0), sample(|x, _| -x), sample(|x, s| x * x / (s * s) - 1.0)]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::flip;
-    use crate::color::linear_from_srgb;
-    use crate::picture::Picture;
-    use glam::Vec3;
+    use super::Plane;
+    use crate::{Image, linear_from_srgb};
 
-    /// A picture of sRGB values given by a formula of the pixel.
-    fn picture(width: usize, height: usize, srgb: impl Fn(f32, f32) -> [f32; 3]) -> Picture {
-        let pixels = (0..width * height)
-            .map(|i| linear_from_srgb(Vec3::from(srgb((i % width) as f32, (i / width) as f32))))
-            .collect();
-        Picture { width, height, pixels }
+    fn flip(a: &Image, b: &Image) -> Plane {
+        super::flip(a, b).expect("images of the same size")
+    }
+
+    /// Returns an image whose sRGB values are given by a formula of the pixel.
+    fn image(width: u32, height: u32, srgb: impl Fn(f32, f32) -> [f32; 3]) -> Image {
+        Image::from_fn(width, height, |x, y| {
+            let [r, g, b] = srgb(x as f32, y as f32).map(linear_from_srgb);
+            [r, g, b, 1.0]
+        })
     }
 
     fn gradient(x: f32, y: f32) -> [f32; 3] {
@@ -220,19 +230,19 @@ mod tests {
     }
 
     #[test]
-    fn equal_pictures_have_no_error() {
-        let a = picture(20, 10, gradient);
+    fn equal_images_have_no_error() {
+        let a = image(20, 10, gradient);
         assert_eq!(flip(&a, &a).mean(), 0.0);
     }
 
     #[test]
-    fn the_largest_error_is_one_and_what_is_not_a_number_counts_as_black() {
-        let green = picture(40, 40, |_, _| [0.0, 1.0, 0.0]);
-        let blue = picture(40, 40, |_, _| [0.0, 0.0, 1.0]);
+    fn the_largest_error_is_one_and_nan_counts_as_black() {
+        let green = image(40, 40, |_, _| [0.0, 1.0, 0.0]);
+        let blue = image(40, 40, |_, _| [0.0, 0.0, 1.0]);
         assert!((flip(&green, &blue).mean() - 1.0).abs() < 1e-5, "{}", flip(&green, &blue).mean());
-        let mut broken = picture(8, 8, |_, _| [0.0; 3]);
+        let mut broken = image(8, 8, |_, _| [0.0; 3]);
         let black = broken.clone();
-        broken.pixels[9] = Vec3::NAN;
+        broken.pixels[9] = [f32::NAN; 4];
         assert_eq!(flip(&broken, &black).mean(), 0.0);
     }
 
@@ -253,7 +263,7 @@ mod tests {
             ("a shift", checker, shifted, [0.279_373, 0.006_664, 0.264_264, 0.969_141]),
         ];
         for (name, a, b, [mean, p, q, r]) in table {
-            let map = flip(&picture(64, 48, a), &picture(64, 48, b));
+            let map = flip(&image(64, 48, a), &image(64, 48, b));
             let at = |x: usize, y: usize| map.values[y * 64 + x];
             let found = [map.mean() as f32, at(5, 7), at(31, 20), at(63, 47)];
             for (found, expected) in found.into_iter().zip([mean, p, q, r]) {

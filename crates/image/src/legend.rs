@@ -1,62 +1,61 @@
-//! A scale of colours with words, drawn below a map.
+//! A scale of colours with labels, drawn below a map.
 
+use crate::Image;
 use font8x8::UnicodeFonts as _;
-use image::{Rgb, RgbImage};
 
 /// Side of a glyph of the font, in pixels.
 const GLYPH: u32 = 8;
-const WHITE: Rgb<u8> = Rgb([255; 3]);
-const BLACK: Rgb<u8> = Rgb([0; 3]);
+const WHITE: [f32; 4] = [1.0; 4];
+const BLACK: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
-/// Puts a legend below `map`: a title, the colours of a scale from left to right, and three labels
-/// at its start, middle and end. Narrow maps get a white margin to the right of them.
-pub fn below(
-    map: RgbImage,
+/// Returns `map` with a legend below: a title, the colours of a scale from left to right, and
+/// labels at the start, the middle and the end of the scale. Narrow maps get a white margin at
+/// their right.
+pub(crate) fn below(
+    map: &Image,
     title: &str,
     labels: &[String; 3],
     color: fn(f64) -> [u8; 3],
-) -> RgbImage {
-    // Letters grow with the picture, so that they can be read when it is shown to fit a screen.
-    let scale = (map.width() / 600).max(1);
+) -> Image {
+    // Letters grow with the picture, so that they stay legible when it is scaled to fit a screen.
+    let scale = (map.width / 600).max(1);
     let unit = GLYPH * scale;
-    let words = labels.iter().map(String::len).sum::<usize>() + 4;
-    let narrowest = (words.max(title.len()) as u32 + 2) * unit;
-    let (width, height) = (map.width().max(narrowest), map.height());
-    let mut image = RgbImage::from_pixel(width, height + 7 * unit, WHITE);
-    image::imageops::replace(&mut image, &map, 0, 0);
-
-    let bar = Bar { left: unit, right: width - unit, top: height + 2 * unit + unit / 2 };
-    text(&mut image, title, bar.left, height + unit, scale);
-    for y in bar.top..bar.top + 2 * unit {
-        for x in bar.left..bar.right {
-            let t = f64::from(x - bar.left) / f64::from(bar.right - 1 - bar.left);
-            image.put_pixel(x, y, Rgb(color(t)));
+    let length = |text: &str| text.chars().count() as u32;
+    let words = labels.iter().map(|label| length(label)).sum::<u32>() + 4;
+    let narrowest = (words.max(length(title)) + 2) * unit;
+    let (width, height) = (map.width.max(narrowest), map.height);
+    let (left, right, top) = (unit, width - unit, height + 2 * unit + unit / 2);
+    let bar = Image::from_srgb_fn(right - left, 1, |x, _| {
+        color(f64::from(x) / f64::from(right - 1 - left))
+    });
+    let mut image = Image::from_fn(width, height + 7 * unit, |x, y| {
+        if x < map.width && y < map.height {
+            map.pixel(x, y)
+        } else if (left..right).contains(&x) && (top..top + 2 * unit).contains(&y) {
+            bar.pixel(x - left, 0)
+        } else {
+            WHITE
         }
-    }
+    });
     let [start, middle, end] = labels;
-    let label_top = bar.top + 2 * unit + unit / 2;
-    let wide = |label: &str| label.len() as u32 * unit;
-    text(&mut image, start, bar.left, label_top, scale);
-    text(&mut image, middle, (bar.left + bar.right - wide(middle)) / 2, label_top, scale);
-    text(&mut image, end, bar.right - wide(end), label_top, scale);
+    let label_top = top + 2 * unit + unit / 2;
+    let wide = |label: &str| length(label) * unit;
+    text(&mut image, title, left, height + unit, scale);
+    text(&mut image, start, left, label_top, scale);
+    text(&mut image, middle, (left + right - wide(middle)) / 2, label_top, scale);
+    text(&mut image, end, right - wide(end), label_top, scale);
     image
 }
 
-/// Where the scale of colours is drawn.
-struct Bar {
-    left: u32,
-    right: u32,
-    top: u32,
-}
-
 /// Draws ASCII text with its upper left corner at `(left, top)`.
-fn text(image: &mut RgbImage, text: &str, left: u32, top: u32, scale: u32) {
+fn text(image: &mut Image, text: &str, left: u32, top: u32, scale: u32) {
     for (index, character) in text.chars().enumerate() {
         let Some(rows) = font8x8::BASIC_FONTS.get(character) else { continue };
         for y in 0..GLYPH * scale {
             for x in 0..GLYPH * scale {
                 if rows[(y / scale) as usize] >> (x / scale) & 1 == 1 {
-                    image.put_pixel(left + index as u32 * GLYPH * scale + x, top + y, BLACK);
+                    let (x, y) = (left + index as u32 * GLYPH * scale + x, top + y);
+                    image.pixels[(y * image.width + x) as usize] = BLACK;
                 }
             }
         }
@@ -69,12 +68,12 @@ mod tests {
 
     #[test]
     fn even_a_map_of_one_pixel_gets_a_whole_legend_and_keeps_its_pixel() {
-        let red = Rgb([255, 0, 0]);
+        let red = [1.0, 0.0, 0.0, 1.0];
         let labels = ["-0.5", "0", "+0.5"].map(str::to_owned);
-        let map = RgbImage::from_pixel(1, 1, red);
-        let image = below(map, "a title", &labels, |t| [(t * 255.0) as u8; 3]);
-        assert_eq!(*image.get_pixel(0, 0), red);
-        let black = |pixels: &RgbImage| pixels.pixels().filter(|&&pixel| pixel == BLACK).count();
-        assert!(image.width() > 80 && black(&image) > 100, "{} wide", image.width());
+        let map = Image { width: 1, height: 1, pixels: vec![red] };
+        let image = below(&map, "a title", &labels, |t| [(t * 255.0) as u8; 3]);
+        assert_eq!(image.pixel(0, 0), red);
+        let black = image.pixels.iter().filter(|&&pixel| pixel == BLACK).count();
+        assert!(image.width > 80 && black > 100, "{} wide", image.width);
     }
 }

@@ -1,21 +1,23 @@
-//! Numbers of pixels as colours.
+//! Maps: planes of numbers drawn in colours.
 
-use crate::convolve::Plane;
-use image::{Rgb, RgbImage};
+use crate::{Image, Plane};
 
-/// The color of `t` in `0.0..=1.0` on the scale from blue over white to red.
+/// Returns the 8-bit sRGB colour of `t` in `0.0..=1.0` on the scale from blue over white to red.
+#[must_use]
 pub fn diverging(t: f64) -> [u8; 3] {
     colorous::RED_BLUE.eval_continuous(1.0 - t).as_array()
 }
 
-/// The color of `t` in `0.0..=1.0` on the scale from black over violet to pale yellow, which the
-/// authors of FLIP use.
+/// Returns the 8-bit sRGB colour of `t` in `0.0..=1.0` on the scale from black over violet to pale
+/// yellow (magma), which the authors of FLIP use.
+#[must_use]
 pub fn sequential(t: f64) -> [u8; 3] {
     colorous::MAGMA.eval_continuous(t).as_array()
 }
 
-/// The difference at the ends of the scale of a signed map: what 99 of 100 pixels that differ stay
-/// below, rounded up to 1, 2 or 5 times a power of ten; 0.001 at least.
+/// Returns the difference at the ends of the scale of a signed map: the 99th percentile of the
+/// absolute values that are not 0, rounded up to 1, 2 or 5 times a power of ten; at least 0.001.
+#[must_use]
 pub fn signed_range(signed: &Plane) -> f64 {
     let mut sizes: Vec<f32> =
         signed.values.iter().map(|value| value.abs()).filter(|&size| size > 0.0).collect();
@@ -32,19 +34,21 @@ pub fn signed_range(signed: &Plane) -> f64 {
     format!("{:.0e}", step.unwrap_or(10.0) * decade).parse().expect("a number just printed")
 }
 
-/// Colours the values from `-range` to `range`.
-pub fn signed(signed: &Plane, range: f64) -> RgbImage {
+/// Draws values from `-range` (blue) to `range` (red).
+#[must_use]
+pub fn signed(signed: &Plane, range: f64) -> Image {
     draw(signed, |value| diverging((0.5 + 0.5 * f64::from(value) / range).clamp(0.0, 1.0)))
 }
 
-/// Colours the values from 0 to 1.
-pub fn flip(flip: &Plane) -> RgbImage {
+/// Draws values from 0 (black) to 1 (pale yellow).
+#[must_use]
+pub fn flip(flip: &Plane) -> Image {
     draw(flip, |value| sequential(f64::from(value).clamp(0.0, 1.0)))
 }
 
-fn draw(plane: &Plane, color: impl Fn(f32) -> [u8; 3]) -> RgbImage {
-    RgbImage::from_fn(plane.width as u32, plane.height as u32, |x, y| {
-        Rgb(color(plane.values[y as usize * plane.width + x as usize]))
+fn draw(plane: &Plane, color: impl Fn(f32) -> [u8; 3]) -> Image {
+    Image::from_srgb_fn(plane.width as u32, plane.height as u32, |x, y| {
+        color(plane.values[y as usize * plane.width + x as usize])
     })
 }
 
@@ -76,7 +80,7 @@ mod tests {
     #[test]
     fn lighter_is_red_darker_is_blue_and_equal_is_white() {
         let map = signed(&plane(vec![1.0, 0.0, -1.0, 9.0]), 1.0);
-        let [lighter, equal, darker, beyond] = [0, 1, 2, 3].map(|x| map.get_pixel(x, 0).0);
+        let [lighter, equal, darker, beyond] = *map.srgb_bytes() else { panic!("four pixels") };
         assert!(lighter[0] > 80 && lighter[2] < 60 && lighter == beyond, "{lighter:?}");
         assert!(equal.iter().all(|&c| c > 230), "{equal:?}");
         assert!(darker[2] > 80 && darker[0] < 60, "{darker:?}");

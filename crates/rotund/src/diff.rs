@@ -3,9 +3,7 @@
 //! Reads EXR, HDR, PNG and JPEG. `B` is the reference of relative errors.
 
 use anyhow::{Context, Result};
-use rotund_image::Difference;
-use rotund_image::metrics::Metrics;
-use rotund_image::{Picture, write_png};
+use rotund_image::{Difference, Image, Metrics};
 use rotund_report::console::{Table, say};
 use std::path::PathBuf;
 
@@ -35,15 +33,15 @@ pub struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
-    let (a, b) = (Picture::read(&args.a)?, Picture::read(&args.b)?);
+    let (a, b) = (Image::read(&args.a)?, Image::read(&args.b)?);
     let difference = Difference::between(&a, &b).with_context(|| {
         format!("cannot compare {} with {}", args.a.display(), args.b.display())
     })?;
     if let Some(path) = &args.signed_map {
-        write_png(path, &difference.signed_map("luminance of A - B"))?;
+        difference.signed_map("luminance of A - B").write(path)?;
     }
     if let Some(path) = &args.flip_map {
-        write_png(path, &difference.flip_map())?;
+        difference.flip_map().write(path)?;
     }
     if args.json {
         return say(serde_json::to_string_pretty(&difference.metrics)?);

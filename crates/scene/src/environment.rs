@@ -1,6 +1,5 @@
 //! Light from infinitely far away.
 
-use crate::Scene;
 use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -24,6 +23,7 @@ impl Environment {
     /// They are within 2^-23 of those of the rounded direction: a thousandth of a pixel of an image
     /// 8192 pixels wide. A direction of zero, or too long to be squared, gives some place.
     #[must_use]
+    #[inline]
     pub fn uv(&self, direction: Vec3) -> Vec2 {
         // The frame is rigid: its inverse is its transpose.
         let axes = self.world_from_environment.matrix3;
@@ -45,20 +45,6 @@ impl Environment {
         let (sin_v, cos_v) = (PI * uv.y).sin_cos();
         let local = Vec3::new(cos_u * sin_v, cos_v, sin_u * sin_v);
         self.world_from_environment.transform_vector3(local)
-    }
-
-    /// The radiance that comes from `direction`, which need not have unit length.
-    #[must_use]
-    pub fn radiance(&self, scene: &Scene, direction: Vec3) -> Vec3 {
-        let image = self.emission_tex.is_some();
-        self.radiance_at(scene, if image { self.uv(direction) } else { Vec2::ZERO })
-    }
-
-    /// The radiance that comes from where the image has `uv`; see [`Self::uv`].
-    #[must_use]
-    pub fn radiance_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
-        let of_image = |index: u32| scene.textures[index as usize].color(uv).truncate();
-        self.emission_tex.map_or(self.emission, |index| self.emission * of_image(index))
     }
 }
 
@@ -86,15 +72,6 @@ fn quarter_turn(x: f32, y: f32) -> f32 {
     .fold(0.0, |sum, coefficient| sum * square + coefficient)
         * slope;
     if x < y { 0.25 - turn } else { turn }
-}
-
-impl Scene {
-    /// The radiance that comes from `direction`, which need not have unit length: the sum over all
-    /// environments.
-    #[must_use]
-    pub fn eval_environment(&self, direction: Vec3) -> Vec3 {
-        self.environments.iter().map(|environment| environment.radiance(self, direction)).sum()
-    }
 }
 
 #[cfg(test)]

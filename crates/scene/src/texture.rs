@@ -2,7 +2,7 @@
 
 use crate::{SceneError, tiles::Tiles};
 use glam::{Vec2, Vec3, Vec4};
-use std::sync::LazyLock;
+use rotund_image::linear_from_srgb_table;
 
 /// An image of RGBA pixels, row 0 at `v = 0`, repeated over the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,11 +102,11 @@ impl Texture {
     pub fn color(&self, uv: Vec2) -> Vec4 {
         match &self.pixels {
             Pixels::Bytes(bytes) => {
-                let (linear, width) = (&*LINEAR_FROM_SRGB, self.width as usize);
+                let (linear, width) = (linear_from_srgb_table(), self.width as usize);
                 self.filtered(uv, |x, y| linear_color(linear, bytes[y * width + x]))
             }
             Pixels::TiledBytes(tiles) => {
-                let linear = &*LINEAR_FROM_SRGB;
+                let linear = linear_from_srgb_table();
                 self.filtered(uv, |x, y| linear_color(linear, tiles.at(x, y)))
             }
             _ => self.data(uv),
@@ -138,9 +138,9 @@ impl Texture {
         let (x, y) = (x as usize, y as usize);
         let index = y * self.width as usize + x;
         match &self.pixels {
-            Pixels::Bytes(bytes) => linear_color(&LINEAR_FROM_SRGB, bytes[index]),
+            Pixels::Bytes(bytes) => linear_color(linear_from_srgb_table(), bytes[index]),
             Pixels::Floats(floats) => Vec4::from_array(floats[index]),
-            Pixels::TiledBytes(tiles) => linear_color(&LINEAR_FROM_SRGB, tiles.at(x, y)),
+            Pixels::TiledBytes(tiles) => linear_color(linear_from_srgb_table(), tiles.at(x, y)),
             Pixels::SharedExponent(tiles) => unpacked(tiles.at(x, y)),
         }
     }
@@ -193,21 +193,6 @@ fn neighbours(coordinate: f32, size: u32) -> (usize, usize, f32) {
     let fraction = place - first as f32;
     let second = if first + 1 < size { first + 1 } else { 0 };
     (first as usize, second as usize, if fraction.is_finite() { fraction } else { 0.0 })
-}
-
-/// Of each byte.
-pub(crate) static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
-
-/// The sRGB transfer function (IEC 61966-2-1), from encoded to linear.
-pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The inverse of [`linear_from_srgb`].
-#[cfg(feature = "load")]
-pub(crate) fn srgb_from_linear(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

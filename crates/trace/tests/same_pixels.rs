@@ -3,7 +3,7 @@
 mod support;
 
 use rotund_scene::Scene;
-use rotund_trace::output::{load_film, save_film, write_image, write_layers};
+use rotund_trace::output::{load_film, save_film, write_layers};
 use rotund_trace::{Film, Image, MergeError, Options, Progress, RenderError, Shard, View, World};
 use std::ops::ControlFlow;
 
@@ -233,7 +233,7 @@ fn a_picture_written_again_has_the_same_bytes() {
         let bytes = || {
             match name {
                 "layers.exr" => write_layers(&path, &image, &layers),
-                _ => write_image(&path, &image),
+                _ => image.write(&path),
             }
             .expect("a file");
             std::fs::read(&path).expect("the file")

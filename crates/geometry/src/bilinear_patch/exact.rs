@@ -18,7 +18,7 @@ const END_ON: f64 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
 /// The image of a vertex: `x`, `y`, and the depth.
 type Image = [DoubleDouble; 3];
 
-/// Returns the first crossing of any ray: also of one that meets the patch twice, or once near a
+/// Returns the first crossing of any ray: also of one that crosses the patch twice, or once near a
 /// fold or a corner, or for which 53 bits are too few.
 pub(super) fn solve(patch: &BilinearPatch, ray: &Ray) -> Option<Root<f32>> {
     let corners = [patch.p00, patch.p10, patch.p01, patch.p11];

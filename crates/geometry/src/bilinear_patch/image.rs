@@ -15,17 +15,18 @@
 //! ```
 //!
 //! so `c`, `e = a + b + c`, `c'` and `e'` are the areas of the four edges. With `P_u`, `P_v` the
-//! derivatives, `f = P × P_v` and `g = P × P_u`: where `P = 0` the slopes are `f' = P_u × P_v =
-//! -g'`. So both parabolas have the same discriminant `D`, a root of `f` of slope `σ √D` goes with
-//! the root of `g` of slope `-σ √D`, and one square root gives both parameters, side by side.
+//! derivatives, `f = P × P_v` and `g = P × P_u`: where `P = 0` the slopes are
+//! `f' = P_u × P_v = -g'`. So both parabolas have the same discriminant `D`, a root of `f` of slope
+//! `σ √D` goes with the root of `g` of slope `-σ √D`, and one square root gives both parameters,
+//! side by side.
 //!
 //! # Watertight edges
 //!
-//! No rounded root can decide whether it lies on this or that side of an edge so that the
-//! neighbour, whose corners come in another order, decides the opposite. The outline does: its
-//! winding number about the ray has the parity of the number of roots in the square, which is 0, 1
-//! or 2. Whether an edge counts depends on its two vertices alone. Hence: odd means exactly one
-//! root, clamped to the square; even means two or none.
+//! A rounded root cannot decide on which side of an edge it lies such that the neighbour, which
+//! lists its corners in another order, decides the opposite. The outline can: its winding number
+//! about the ray has the parity of the number of roots in the square, which is 0, 1 or 2. Whether
+//! an edge counts depends on its two vertices alone. Hence: odd means exactly one root, clamped to
+//! the square; even means two or none.
 //!
 //! # Too few digits
 //!

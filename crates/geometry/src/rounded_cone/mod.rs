@@ -5,22 +5,22 @@
 //! Let `p0` be the origin, `e = p1 - p0`, `L² = e·e`, `ρ = r0 - r1`, and `d2 = L² - ρ²`, which is
 //! positive unless one ball contains the other. The balls `|x - s e| = r0 - s ρ`, `0 <= s <= 1`,
 //! sweep the solid; they touch the cone that is tangent to both end balls. A point `x` of the cone
-//! belongs to the ball `s = y / d2`, with `y = x·e - r0 ρ`, so the body is the part with `0 <= y <=
-//! d2` and the caps lie on either side of these two planes.
+//! belongs to the ball `s = y / d2`, with `y = x·e - r0 ρ`, so the body is the part with
+//! `0 <= y <= d2` and the caps lie on either side of these two planes.
 //!
-//! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant `k1² - k0
-//! k2` has terms that grow with the fourth power of the distance. Let `w = f × d`, `g = d × e` and
-//! `w1 = w + g = (o - p1) × d`. In these the terms that grow with the distance cancel symbolically,
-//! before any rounding, which generalises the use of Lagrange's identity for the sphere to two
-//! balls:
+//! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant
+//! `k1² - k0 k2` has terms that grow with the fourth power of the distance. Let `w = f × d`,
+//! `g = d × e` and `w1 = w + g = (o - p1) × d`. In these the terms that grow with the distance
+//! cancel symbolically, before any rounding, which generalises the use of Lagrange's identity for
+//! the sphere to two balls:
 //!
 //! ```text
 //! discriminant = d2 D        D = |r0 w1 - r1 w|² - (f·g)²
 //! ```
 //!
 //! where the volume `f·g` is proportional to the distance of the line from the axis. The roots are
-//! measured from the point of the line closest to `p0`, as `θ = a (t - tc)` with `a = d·d` and `tc
-//! = -f·d / a`:
+//! measured from the point of the line closest to `p0`, as `θ = a (t - tc)` with `a = d·d` and
+//! `tc = -f·d / a`:
 //!
 //! ```text
 //! k2 θ² + 2 K1 θ + K0 = 0      k2 = |g|² - ρ² a      K1 = -m Y      K0 = a d2 (|w|² - r0² a) - Y²
@@ -57,8 +57,8 @@ use profile::Profile;
 ///
 /// # Accuracy
 ///
-/// `t` is the exact root, rounded. The position is within `1.0 u max(|p|, size)` of the surface, `u
-/// = 2⁻²⁴`, and the normal within `1e-5` degrees, for lengths up to a million radii.
+/// `t` is the exact root, rounded. The position is within `1.0 u max(|p|, size)` of the surface,
+/// `u = 2⁻²⁴`, and the normal within `1e-5` degrees, for lengths up to a million radii.
 ///
 /// # Degenerate inputs
 ///

@@ -1,31 +1,36 @@
-//! `index.html`: several comparisons on one page, with links to the page of each.
+//! The page about several comparisons, with a link to the page of each.
 
-use super::{STYLE, Timing, embed, escape, fill};
-use anyhow::Result;
-use rotund_image::Difference;
-use rotund_image::Picture;
+use super::{STYLE, Timing, fill};
+use crate::embed;
+use crate::html::escape;
+use rotund_image::{Difference, EncodeError, Image};
 
 const PAGE: &str = include_str!("index.html");
 
-/// What the page says of one scene, whose report lies in a folder of its name.
+/// The part of the page about one scene. The page of its comparison is `SCENE/report.html` beside
+/// it.
 #[derive(Clone, Debug)]
 pub struct Entry {
+    /// Name of the scene, and of the folder of its comparison.
     pub scene: String,
     card: String,
     row: String,
 }
 
 impl Entry {
+    /// Describes the comparison of a vanilla and an enhanced picture, of which `settings` names
+    /// camera, size and so on.
+    ///
     /// # Errors
     ///
-    /// Only if an image cannot be encoded.
+    /// If a picture has no pixels.
     pub fn new(
         scene: &str,
         settings: &str,
-        [vanilla, enhanced]: &[Picture; 2],
+        [vanilla, enhanced]: &[Image; 2],
         difference: &Difference,
         timings: &[Timing],
-    ) -> Result<Self> {
+    ) -> Result<Self, EncodeError> {
         let name = escape(scene);
         let link = format!("{}/report.html", percent_encoded(scene));
         let m = &difference.metrics;
@@ -52,15 +57,12 @@ impl Entry {
     }
 }
 
-/// The text of the page.
-///
-/// # Errors
-///
-/// Only if an image cannot be encoded.
-pub fn page(entries: &[Entry]) -> Result<String> {
+/// Returns the page.
+#[must_use]
+pub fn page(entries: &[Entry]) -> String {
     let join = |part: fn(&Entry) -> &str| entries.iter().map(part).collect::<String>();
     let count = entries.len().to_string();
-    Ok(fill(
+    fill(
         PAGE,
         &[
             ("style", STYLE.trim_end()),
@@ -68,10 +70,10 @@ pub fn page(entries: &[Entry]) -> Result<String> {
             ("cards", &join(|entry| &entry.card)),
             ("rows", &join(|entry| &entry.row)),
         ],
-    ))
+    )
 }
 
-/// A name as a part of a URL.
+/// Returns a name as a part of a URL.
 fn percent_encoded(name: &str) -> String {
     let encode = |byte: u8| {
         if byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte) {
@@ -86,11 +88,10 @@ fn percent_encoded(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
-    fn the_page_links_to_each_report_and_asks_for_nothing_else() {
-        let picture = |value| Picture { width: 8, height: 4, pixels: vec![Vec3::splat(value); 32] };
+    fn the_page_links_to_each_report_and_loads_nothing() {
+        let picture = |value: f32| Image::from_fn(8, 4, |_, _| [value; 4]);
         let pictures = [picture(0.2), picture(0.4)];
         let difference = Difference::between(&pictures[1], &pictures[0]).unwrap();
         let timing = Timing { label: "render, s", vanilla: 1.0, enhanced: 2.0, digits: 2 };
@@ -98,7 +99,7 @@ mod tests {
             Entry::new(scene, "64 samples", &pictures, &difference, std::slice::from_ref(&timing))
                 .unwrap()
         };
-        let html = page(&[entry("shapes4"), entry("a & b")]).unwrap();
+        let html = page(&[entry("shapes4"), entry("a & b")]);
         assert!(html.contains("href=\"shapes4/report.html\""));
         assert!(html.contains("href=\"a%20%26%20b/report.html\"") && html.contains("a &amp; b"));
         assert_eq!(html.matches("src=\"data:image/").count(), html.matches("<img ").count());

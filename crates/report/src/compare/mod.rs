@@ -1,13 +1,12 @@
-//! `report.html`: two pictures and their difference on one page that needs nothing else.
+//! The page about two renders of a scene: a slider over both pictures, their difference, and
+//! numbers.
 
-use anyhow::Result;
+use crate::embed;
+use crate::html::escape;
 use crops::Crop;
-use rotund_image::Picture;
-use rotund_image::{Difference, maps, metrics::Metrics};
-use std::fmt::Write as _;
+use rotund_image::{Difference, EncodeError, Image, Metrics, maps};
 
 mod crops;
-mod embed;
 mod histogram;
 pub mod index;
 
@@ -19,58 +18,60 @@ const SCRIPT: &str = include_str!("script.js");
 const CROP: (usize, usize) = (44, 33);
 const CROP_COUNT: usize = 6;
 
-/// What a page shows.
+/// The content of a page.
 #[derive(Debug)]
 pub struct Report<'a> {
-    /// The heading.
+    /// Heading of the page.
     pub scene: &'a str,
-    /// Camera, size and so on, in words.
+    /// Camera, size, samples and so on, in words.
     pub settings: &'a str,
-    /// The picture on the left of the slider.
-    pub vanilla: &'a Picture,
-    /// The picture on the right.
-    pub enhanced: &'a Picture,
-    /// `enhanced` against `vanilla`.
+    /// Picture on the left of the slider.
+    pub vanilla: &'a Image,
+    /// Picture on the right of the slider.
+    pub enhanced: &'a Image,
+    /// Difference of `enhanced` from `vanilla`.
     pub difference: &'a Difference,
     /// Rows of numbers about the two renders.
     pub timings: &'a [Timing],
-    /// What becomes of the comparison if both take equal time instead of equal samples.
+    /// Comparison at equal time instead of equal samples, if there is one.
     pub equal_time: Option<EqualTime<'a>>,
 }
 
 /// A picture of the faster method that took as long as the other one.
 #[derive(Clone, Copy, Debug)]
 pub struct EqualTime<'a> {
-    /// The name of the faster method.
+    /// Name of the faster method.
     pub faster: &'static str,
-    /// What it makes of the time.
-    pub picture: &'a Picture,
-    /// Of the slower method and of the faster one.
+    /// Picture of the faster method, with more samples.
+    pub picture: &'a Image,
+    /// Samples of the slower method and of the faster one.
     pub samples: [u32; 2],
-    /// Of the slower method and of the faster one.
+    /// Seconds of the slower method and of the faster one.
     pub seconds: [f64; 2],
-    /// Enhanced against vanilla at equal time.
+    /// Differences of enhanced from vanilla at equal time.
     pub metrics: Metrics,
 }
 
 /// One number about each of the two renders.
 #[derive(Clone, Debug)]
 pub struct Timing {
+    /// Name of the number, with its unit.
     pub label: &'static str,
+    /// Value of the vanilla render.
     pub vanilla: f64,
+    /// Value of the enhanced render.
     pub enhanced: f64,
-    /// Digits after the decimal point.
+    /// Number of digits after the decimal point.
     pub digits: usize,
 }
 
-/// The text of the page.
+/// Returns the page.
 ///
 /// # Errors
 ///
-/// Only if an image cannot be encoded.
-pub fn page(report: &Report<'_>) -> Result<String> {
+/// If a picture has no pixels.
+pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
     let Report { vanilla, enhanced, difference, .. } = report;
-    let [vanilla, enhanced] = [vanilla, enhanced].map(|picture| embed::shown(picture));
     let worst = crops::worst(&difference.flip, CROP.0, CROP.1, CROP_COUNT);
     let range = maps::signed_range(&difference.signed);
     let signed = maps::signed(&difference.signed, range);
@@ -81,7 +82,7 @@ pub fn page(report: &Report<'_>) -> Result<String> {
     } else {
         let mut html = String::from("<div class=\"crops\">\n");
         for (index, crop) in worst.iter().enumerate() {
-            let images = [("vanilla", &vanilla), ("enhanced", &enhanced), ("FLIP", &flip)];
+            let images = [("vanilla", *vanilla), ("enhanced", *enhanced), ("FLIP", &flip)];
             html += &crop_figure(index + 1, crop, images)?;
         }
         html + "</div>"
@@ -96,7 +97,7 @@ pub fn page(report: &Report<'_>) -> Result<String> {
             &embed::photo(&flip)?,
             &["0", "0.5", "1"].map(str::to_owned),
             maps::sequential,
-            &marks(&worst, flip.width(), flip.height()),
+            &marks(&worst, flip.width, flip.height),
         );
     Ok(fill(
         PAGE,
@@ -105,9 +106,9 @@ pub fn page(report: &Report<'_>) -> Result<String> {
             ("settings", &escape(report.settings)),
             ("style", STYLE.trim_end()),
             ("script", SCRIPT.trim_end()),
-            ("width", &vanilla.width().to_string()),
-            ("height", &vanilla.height().to_string()),
-            ("pictures", &pictures(&vanilla, &enhanced, report.equal_time.as_ref())?),
+            ("width", &vanilla.width.to_string()),
+            ("height", &vanilla.height.to_string()),
+            ("pictures", &pictures(vanilla, enhanced, report.equal_time.as_ref())?),
             ("choice", &report.equal_time.as_ref().map(choice).unwrap_or_default()),
             ("lightness", &histogram::of_lightness(report.vanilla, report.enhanced)),
             ("visibility", &histogram::of_flip(&difference.flip)),
@@ -120,11 +121,11 @@ pub fn page(report: &Report<'_>) -> Result<String> {
 }
 
 /// Replaces each `{{name}}` of `template` once, from left to right, so that text that is filled in
-/// is never read as a template.
+/// is never interpreted as a template.
 ///
 /// # Panics
 ///
-/// If the template names a value that is not there: template and code are one program.
+/// If the template names a value that is missing: the templates are part of this program.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut parts = template.split("{{");
     let mut text = parts.next().unwrap_or_default().to_owned();
@@ -137,17 +138,12 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
     text
 }
 
-/// Text as HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// The pictures that lie over each other in the slider.
+/// Returns the pictures that the slider shows over each other.
 fn pictures(
-    vanilla: &image::RgbImage,
-    enhanced: &image::RgbImage,
+    vanilla: &Image,
+    enhanced: &Image,
     equal_time: Option<&EqualTime<'_>>,
-) -> Result<String> {
+) -> Result<String, EncodeError> {
     let mut html = String::new();
     for (name, image, meaning) in [
         ("vanilla", vanilla, "points as discs, lines by distance, quads as two triangles"),
@@ -158,23 +154,22 @@ fn pictures(
         ),
     ] {
         let uri = embed::photo(image)?;
-        writeln!(
-            html,
-            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">"
-        )?;
+        html += &format!(
+            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">\n"
+        );
         if let Some(longer) = equal_time.filter(|longer| longer.faster == name) {
-            let uri = embed::photo(&embed::shown(longer.picture))?;
+            let uri = embed::photo(longer.picture)?;
             let samples = longer.samples[1];
-            writeln!(
-                html,
-                "<img class=\"{name} longer\" src=\"{uri}\" alt=\"The {name} picture with {samples} samples\">"
-            )?;
+            html += &format!(
+                "<img class=\"{name} longer\" src=\"{uri}\" \
+                 alt=\"The {name} picture with {samples} samples\">\n"
+            );
         }
     }
     Ok(html)
 }
 
-/// Switches between equal samples and equal time.
+/// Returns the buttons that switch between equal samples and equal time.
 fn choice(equal_time: &EqualTime<'_>) -> String {
     let EqualTime { faster, samples: [fewer, more], seconds: [slow, fast], .. } = equal_time;
     let slower = if *faster == "vanilla" { "enhanced" } else { "vanilla" };
@@ -189,8 +184,8 @@ fn choice(equal_time: &EqualTime<'_>) -> String {
 fn crop_figure(
     number: usize,
     crop: &Crop,
-    images: [(&str, &image::RgbImage); 3],
-) -> Result<String> {
+    images: [(&str, &Image); 3],
+) -> Result<String, EncodeError> {
     let (x, y) = (crop.x, crop.y);
     let mut html = format!(
         "<div><h3>{number}. at x = {x}, y = {y}; mean FLIP {:.3}</h3>\n\
@@ -199,12 +194,13 @@ fn crop_figure(
     );
     let (width, height) = (4 * crop.width, 4 * crop.height);
     for (name, image) in images {
-        let uri = embed::exact(image, crop)?;
+        let part = [crop.x, crop.y, crop.width, crop.height].map(|side| side as u32);
+        let uri = embed::exact(&image.crop(part[0], part[1], part[2], part[3]))?;
         let alt = format!("{name}, {} by {} pixels at {x}, {y}", crop.width, crop.height);
-        writeln!(
-            html,
-            "<figure><img src=\"{uri}\" alt=\"{alt}\" width=\"{width}\" height=\"{height}\"><figcaption>{name}</figcaption></figure>"
-        )?;
+        html += &format!(
+            "<figure><img src=\"{uri}\" alt=\"{alt}\" width=\"{width}\" height=\"{height}\">\
+             <figcaption>{name}</figcaption></figure>\n"
+        );
     }
     Ok(html + "</div></div>\n")
 }
@@ -232,7 +228,7 @@ fn map_figure(
     )
 }
 
-/// Numbered frames where the crops are.
+/// Returns numbered frames at the places of the crops.
 fn marks(crops: &[Crop], width: u32, height: u32) -> String {
     let percent = |part: usize, whole: u32| 100.0 * part as f64 / f64::from(whole);
     let mark = |(index, crop): (usize, &Crop)| {
@@ -258,7 +254,7 @@ fn metrics_table(difference: &Difference, equal_time: Option<&EqualTime<'_>>) ->
         ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", |m| m.rmse),
         ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", |m| m.rel_mse),
         ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", |m| m.rel_mse_trimmed),
-        ("flip_mean", "0: same for the eye, 1: as different as can be", |m| m.flip_mean),
+        ("flip_mean", "0: no visible difference, 1: the largest possible", |m| m.flip_mean),
         ("changed_fraction", "pixels that differ by more than two steps of 8-bit sRGB", |m| {
             m.changed_fraction
         }),

@@ -6,8 +6,7 @@ use crate::output::write_text;
 use crate::scene_source::NamedScene;
 use crate::shot::{Shot, take, take_more};
 use anyhow::Result;
-use rotund_image::Difference;
-use rotund_image::{Picture, write_png};
+use rotund_image::{Difference, Image};
 use rotund_report::compare::index::Entry;
 use rotund_report::compare::{EqualTime, Report, Timing};
 use rotund_report::console::Table;
@@ -24,7 +23,7 @@ pub(super) struct Comparison {
     options: Options,
     kinds: Vec<&'static str>,
     shots: [Shot; 2],
-    pictures: [Picture; 2],
+    pictures: [Image; 2],
     difference: Difference,
     longer: Option<Longer>,
 }
@@ -35,7 +34,7 @@ struct Longer {
     /// Index into [`NAMES`].
     faster: usize,
     shot: Shot,
-    picture: Picture,
+    picture: Image,
     difference: Difference,
 }
 
@@ -58,8 +57,8 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// If the scene cannot be rendered, or Ctrl-C is pressed; then the pictures so far are written into
-    /// `folder`.
+    /// If the scene cannot be rendered, or Ctrl-C is pressed; then the pictures so far are written
+    /// into `folder`.
     pub(super) fn render(
         source: &mut NamedScene,
         camera: usize,
@@ -81,7 +80,7 @@ impl Comparison {
         let was_interrupted = enhanced.interrupted;
         let done = enhanced.film.samples();
         let shots = [vanilla, enhanced];
-        let pictures = shots.each_ref().map(|shot| Picture::from(&shot.film.image()));
+        let pictures = shots.each_ref().map(|shot| shot.film.image());
         let difference = Difference::between(&pictures[1], &pictures[0])?;
         let mut comparison = Self {
             scene: source.name.clone(),
@@ -104,8 +103,8 @@ impl Comparison {
         Ok(comparison)
     }
 
-    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures are
-    /// complete by then.
+    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures
+    /// are complete by then.
     fn render_longer(
         &self,
         scene: &mut Scene,
@@ -124,7 +123,7 @@ impl Comparison {
         if shot.interrupted {
             return Ok(None);
         }
-        let picture = Picture::from(&shot.film.image());
+        let picture = shot.film.image();
         let other = &self.pictures[1 - faster];
         let difference = match faster {
             0 => Difference::between(other, &picture)?,
@@ -138,8 +137,8 @@ impl Comparison {
             write_picture(folder, name, shot)?;
         }
         let title = "luminance of enhanced - vanilla";
-        write_png(&folder.join("difference.png"), &self.difference.signed_map(title))?;
-        write_png(&folder.join("flip.png"), &self.difference.flip_map())?;
+        self.difference.signed_map(title).write(folder.join("difference.png"))?;
+        self.difference.flip_map().write(folder.join("flip.png"))?;
         let metrics = serde_json::to_string_pretty(&self.metrics())? + "\n";
         write_text(&folder.join("metrics.json"), &metrics)?;
         write_text(&folder.join("report.html"), &self.report()?)
@@ -230,7 +229,8 @@ impl Comparison {
 
     /// Returns the card of the scene on the page about several scenes.
     pub(super) fn entry(&self) -> Result<Entry> {
-        Entry::new(&self.scene, &self.settings(), &self.pictures, &self.difference, &self.timings())
+        let (pictures, timings) = (&self.pictures, self.timings());
+        Ok(Entry::new(&self.scene, &self.settings(), pictures, &self.difference, &timings)?)
     }
 
     fn settings(&self) -> String {
@@ -244,7 +244,7 @@ impl Comparison {
     }
 
     fn report(&self) -> Result<String> {
-        rotund_report::compare::page(&Report {
+        let page = rotund_report::compare::page(&Report {
             scene: &self.scene,
             settings: &self.settings(),
             vanilla: &self.pictures[0],
@@ -258,6 +258,7 @@ impl Comparison {
                 seconds: [self.shots[1 - longer.faster].render_seconds, longer.shot.render_seconds],
                 metrics: longer.difference.metrics,
             }),
-        })
+        })?;
+        Ok(page)
     }
 }

@@ -1,8 +1,9 @@
 //! Textures: grids to see texture coordinates by, and the sky.
 
 use super::{STEPS, Unfit, count, positive};
-use crate::{Pixels, Texture, texture::srgb_from_linear};
+use crate::{Pixels, Texture};
 use glam::{Mat3, Vec3};
+use rotund_image::srgb_from_linear;
 use serde::Deserialize;
 use std::f32::consts::PI;
 

@@ -57,9 +57,10 @@ use tree::{Extent, LightTree};
 ///     if let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) {
 ///         let ray = hit.spawn(scattered.incoming);
 ///         let (radiance, light_pdf) = match world.closest(&ray) {
-///             Some(far) => {
-///                 (scene.eval_emission(far.instance, far.element, far.uv), lights.pdf(&receiver, &far))
-///             }
+///             Some(far) => (
+///                 scene.eval_emission(far.instance, far.element, far.uv),
+///                 lights.pdf(&receiver, &far),
+///             ),
 ///             None => (
 ///                 scene.eval_environment(ray.direction),
 ///                 lights.environment_pdf(&receiver, ray.direction),

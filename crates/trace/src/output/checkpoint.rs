@@ -6,7 +6,7 @@
 //! and all samples as `u32`; and a hash of all before it, so that a truncated or altered file is
 //! refused.
 
-use super::{OutputError, write_with};
+use super::{WriteError, write_with};
 use crate::Shard;
 use crate::film::{Film, PixelSum};
 use std::{
@@ -40,7 +40,7 @@ pub enum CheckpointError {
 /// # Errors
 ///
 /// If the file cannot be written.
-pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError> {
+pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), WriteError> {
     let mut bytes = Vec::with_capacity(128 + film.label.len() + film.pixels.len() * PIXEL_BYTES);
     bytes.extend(MAGIC);
     for number in [film.width, film.height, film.shard.index, film.shard.count] {

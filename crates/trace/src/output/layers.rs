@@ -1,12 +1,12 @@
 //! Pictures with their auxiliary layers in one EXR.
 
-use super::{OutputError, write_with};
+use super::{WriteError, write_with};
 use crate::Layers;
 use exr::prelude::{
     AnyChannel, AnyChannels, FlatSamples, Image as ExrImage, Layer, LayerAttributes, WritableImage,
 };
 use glam::Vec3;
-use rotund_image::{ENCODING, Image};
+use rotund_image::{EXR_ENCODING, Image};
 use std::path::Path;
 
 /// Writes a picture and its layers into one EXR: `R G B A` are the picture, `albedo.R` to
@@ -24,7 +24,7 @@ pub fn write_layers(
     path: impl AsRef<Path>,
     image: &Image,
     layers: &Layers,
-) -> Result<(), OutputError> {
+) -> Result<(), WriteError> {
     let size = (image.width as usize, image.height as usize);
     assert!(
         (layers.width, layers.height) == (image.width, image.height),
@@ -52,6 +52,6 @@ pub fn write_layers(
         add(name, FlatSamples::U32(ids.clone()));
     }
     let channels = AnyChannels::sort(channels.into_iter().collect());
-    let layer = Layer::new(size, LayerAttributes::default(), ENCODING, channels);
+    let layer = Layer::new(size, LayerAttributes::default(), EXR_ENCODING, channels);
     write_with(path, |file| ExrImage::from_layer(layer).write().to_buffered(file))
 }

@@ -5,16 +5,16 @@ mod layers;
 
 pub use checkpoint::{CheckpointError, load_film, save_film};
 pub use layers::write_layers;
-pub use rotund_image::{OutputError, srgb_from_linear, write_image, write_with};
+pub use rotund_image::{WriteError, write_with};
 
 use crate::Film;
 use std::path::Path;
 
-/// Writes the mean of the samples of a film; see [`write_image`].
+/// Writes the mean of the samples of a film; see [`Image::write`](rotund_image::Image::write).
 ///
 /// # Errors
 ///
-/// As [`write_image`].
-pub fn write(path: impl AsRef<Path>, film: &Film) -> Result<(), OutputError> {
-    write_image(path, &film.image())
+/// As [`Image::write`](rotund_image::Image::write).
+pub fn write(path: impl AsRef<Path>, film: &Film) -> Result<(), WriteError> {
+    film.image().write(path)
 }

@@ -6,12 +6,12 @@ use super::{
 };
 use crate::{
     load::{error::LoadProblem, mesh::Mesh},
-    texture::{LINEAR_FROM_SRGB, linear_from_srgb},
     validate::{is_color, is_radius},
 };
 use bytemuck::zeroed_vec;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
+use rotund_image::{linear_from_srgb, linear_from_srgb_table};
 use std::{
     io::BufRead,
     slice::ChunksMut,
@@ -182,7 +182,7 @@ impl Layout {
             match integer {
                 _ if i == ALPHA => column.iter_mut().for_each(|value| *value /= integer.one()),
                 Type::U8 => {
-                    let linear = &*LINEAR_FROM_SRGB;
+                    let linear = linear_from_srgb_table();
                     column.iter_mut().for_each(|value| *value = linear[*value as usize % 256]);
                 }
                 _ => column

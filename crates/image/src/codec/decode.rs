@@ -1,0 +1,220 @@
+//! Bytes to images.
+
+use super::error::DecodeError;
+use super::format::Format;
+use crate::{Image, linear_from_srgb, linear_from_srgb_table};
+use ::image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
+use exr::prelude::{
+    MetaData, ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, read as read_exr,
+};
+use std::io::Cursor;
+
+/// Upper bound on the compression ratio of all formats. Deflate, in PNG and EXR, reaches 1032. In
+/// JPEG, a block of 64 samples takes at least one bit, and chroma subsampled four-fold makes that
+/// 1365 bytes from one.
+const MAX_COMPRESSION: u64 = 1400;
+
+/// Largest number of pixels: 16,384 x 16,384.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// An image with the precision of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decoded {
+    /// Number of columns, at least 1.
+    pub width: u32,
+    /// Number of rows, at least 1.
+    pub height: u32,
+    /// The pixels, row by row from the top.
+    pub samples: Samples,
+}
+
+/// Red, green, blue and alpha of each pixel. Alpha is the largest value where the file has none.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// sRGB with 8 bits per channel, from PNG and JPEG files.
+    Srgb8(Vec<[u8; 4]>),
+    /// sRGB with 16 bits per channel, from PNG files.
+    Srgb16(Vec<[u16; 4]>),
+    /// Linear, from HDR and EXR files.
+    Linear(Vec<[f32; 4]>),
+}
+
+impl From<Decoded> for Image {
+    /// Converts to linear values. Alpha is scaled to `0.0..=1.0` only.
+    fn from(decoded: Decoded) -> Self {
+        let Decoded { width, height, samples } = decoded;
+        let pixels = match samples {
+            Samples::Srgb8(pixels) => {
+                let linear = linear_from_srgb_table();
+                let pixel = |[r, g, b, a]: [u8; 4]| {
+                    let [r, g, b] = [r, g, b].map(|byte| linear[usize::from(byte)]);
+                    [r, g, b, f32::from(a) / 255.0]
+                };
+                pixels.into_iter().map(pixel).collect()
+            }
+            Samples::Srgb16(pixels) => {
+                let pixel = |pixel: [u16; 4]| {
+                    let [r, g, b, a] = pixel.map(|word| f32::from(word) / 65_535.0);
+                    let [r, g, b] = [r, g, b].map(linear_from_srgb);
+                    [r, g, b, a]
+                };
+                pixels.into_iter().map(pixel).collect()
+            }
+            Samples::Linear(pixels) => pixels,
+        };
+        Self { width, height, pixels }
+    }
+}
+
+/// Decodes an image file in memory. The bytes need not be trusted: an image that claims more pixels
+/// than a file of this length can hold is refused before memory is allocated for it.
+///
+/// An EXR file with a lone channel, or with a channel `Y` but none named `R`, becomes grey.
+///
+/// # Errors
+///
+/// If the bytes are no image in this format, are damaged or cut short, or have more than 2^28
+/// pixels.
+pub fn decode(bytes: &[u8], format: Format) -> Result<Decoded, DecodeError> {
+    let decoded = match format {
+        Format::Png => decode_with_image(bytes, ImageFormat::Png),
+        Format::Jpeg => decode_with_image(bytes, ImageFormat::Jpeg),
+        Format::Hdr => decode_with_image(bytes, ImageFormat::Hdr),
+        // Integer overflow in the library, as from damaged B44 data, panics in a debug build.
+        Format::Exr => std::panic::catch_unwind(|| decode_exr(bytes))
+            .unwrap_or_else(|_| Err("the data of the image make no sense".to_owned())),
+    };
+    match decoded {
+        Ok(Decoded { width, height, .. }) if width == 0 || height == 0 => {
+            Err(DecodeError { problem: "the image has no pixels".to_owned() })
+        }
+        Ok(decoded) => Ok(decoded),
+        Err(problem) => Err(DecodeError { problem: plain(problem) }),
+    }
+}
+
+/// Replaces the messages of the libraries for common problems by one wording.
+fn plain(problem: String) -> String {
+    let early =
+        ["unexpected end of file", "failed to fill whole buffer", "reference to missing bytes"];
+    if early.iter().any(|words| problem.contains(words)) {
+        return "the file is cut short, or no image of this format".to_owned();
+    }
+    if problem == "Memory limit exceeded" {
+        return format!("the image has more than the {MAX_PIXELS} pixels supported");
+    }
+    problem
+}
+
+fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Decoded, String> {
+    // For metadata, above all colour profiles, which may unfold to a thousand times their size.
+    const METADATA: u64 = 1 << 25;
+    let reader = |pixels: u64| {
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        let mut limits = Limits::no_limits();
+        limits.max_alloc = Some(pixels + METADATA);
+        reader.limits(limits);
+        reader
+    };
+    let decoder = reader(0).into_decoder().map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    let bits = u64::from(decoder.original_color_type().bits_per_pixel());
+    drop(decoder);
+    check_size(width.into(), height.into(), bits, bytes)?;
+    // The size has just been found to fit the file. Some decoders count the pixels twice.
+    let unfolded = 2 * u64::from(width) * u64::from(height) * 16;
+    let image = reader(unfolded).decode().map_err(|error| error.to_string())?;
+    let samples = match image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            Samples::Linear(image.into_rgba32f().pixels().map(|pixel| pixel.0).collect())
+        }
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => {
+            Samples::Srgb16(image.into_rgba16().pixels().map(|pixel| pixel.0).collect())
+        }
+        _ => Samples::Srgb8(image.into_rgba8().pixels().map(|pixel| pixel.0).collect()),
+    };
+    Ok(Decoded { width, height, samples })
+}
+
+fn decode_exr(bytes: &[u8]) -> Result<Decoded, String> {
+    // The dimensions first, because the library allocates what a header claims.
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| error.to_string())?;
+    let mut names = Vec::new();
+    for header in &meta.headers {
+        let bits = 8 * header.channels.bytes_per_pixel as u64;
+        check_size(header.layer_size.0 as u64, header.layer_size.1 as u64, bits, bytes)?;
+        names.extend(header.channels.list.iter().map(|channel| channel.name.to_string()));
+    }
+    let grey = match &names[..] {
+        [name] if name != "A" => Some(name.as_str()),
+        _ if names.iter().any(|name| name == "R") => None,
+        _ => names.iter().any(|name| name == "Y").then_some("Y"),
+    };
+    let levels = read_exr().no_deep_data().largest_resolution_level();
+    let pixels = match grey {
+        Some(name) => levels
+            .specific_channels()
+            .required(name)
+            .optional("A", 1.0)
+            .collect_pixels(
+                |size, _| Canvas::new(size.0, size.1),
+                |canvas: &mut Canvas, at, (y, a): (f32, f32)| canvas.set(at.0, at.1, [y, y, y, a]),
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+            .map(|image| image.layer_data.channel_data.pixels),
+        None => levels
+            .rgba_channels(
+                |size, _| Canvas::new(size.0, size.1),
+                |canvas: &mut Canvas, at, (r, g, b, a): (f32, f32, f32, f32)| {
+                    canvas.set(at.0, at.1, [r, g, b, a]);
+                },
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+            .map(|image| image.layer_data.channel_data.pixels),
+    };
+    let Canvas { width, height, pixels } = pixels.map_err(|error| error.to_string())?;
+    Ok(Decoded {
+        width: u32::try_from(width).map_err(|error| error.to_string())?,
+        height: u32::try_from(height).map_err(|error| error.to_string())?,
+        samples: Samples::Linear(pixels),
+    })
+}
+
+/// The pixels of an image while the library delivers them.
+struct Canvas {
+    width: usize,
+    height: usize,
+    pixels: Vec<[f32; 4]>,
+}
+
+impl Canvas {
+    fn new(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![[0.0; 4]; width * height] }
+    }
+
+    fn set(&mut self, x: usize, y: usize, pixel: [f32; 4]) {
+        self.pixels[y * self.width + x] = pixel;
+    }
+}
+
+/// Refuses sizes that no file of this length can hold, before anything is allocated for them.
+fn check_size(width: u64, height: u64, bits_per_pixel: u64, bytes: &[u8]) -> Result<(), String> {
+    let pixels = width.saturating_mul(height);
+    if pixels > MAX_PIXELS {
+        return Err(format!("{width} x {height} pixels are more than the {MAX_PIXELS} supported"));
+    }
+    if pixels.saturating_mul(bits_per_pixel) / 8 > bytes.len() as u64 * MAX_COMPRESSION {
+        return Err(format!("{width} x {height} pixels cannot come from a file of this size"));
+    }
+    Ok(())
+}

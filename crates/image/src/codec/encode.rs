@@ -1,0 +1,73 @@
+//! Images to bytes.
+
+use super::error::EncodeError;
+use super::format::Format;
+use crate::Image;
+use ::image::codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder as _};
+use exr::prelude::{
+    Encoding, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels,
+    WritableImage as _,
+};
+use std::io::{Cursor, Seek, Write};
+
+/// Quality of JPEG files, of 100.
+const JPEG_QUALITY: u8 = 92;
+
+/// The encoding of EXR files: lossless, with tiles in increasing order. In any other order, tiles
+/// are written as threads finish them, and the bytes of a file would differ from run to run.
+pub const EXR_ENCODING: Encoding =
+    Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
+
+/// Encodes an image in memory. [`Image::write`] describes what each format keeps.
+///
+/// # Errors
+///
+/// If the image is not `width * height` pixels or has none, or is too large for the format.
+pub fn encode(image: &Image, format: Format) -> Result<Vec<u8>, EncodeError> {
+    let mut bytes = Cursor::new(Vec::new());
+    encode_to(&mut bytes, image, format)?;
+    Ok(bytes.into_inner())
+}
+
+pub(super) fn encode_to(
+    file: impl Write + Seek,
+    image: &Image,
+    format: Format,
+) -> Result<(), EncodeError> {
+    let &Image { width, height, ref pixels } = image;
+    if pixels.is_empty() || !image.is_whole() {
+        let count = pixels.len();
+        let problem = format!("an image of {width} x {height} holds {count} pixels");
+        return Err(EncodeError { problem });
+    }
+    let size = (width as usize, height as usize);
+    let plain = |error: ::image::ImageError| EncodeError { problem: error.to_string() };
+    match format {
+        Format::Png => {
+            let bytes: Vec<u8> = image.srgb_bytes().into_iter().flatten().collect();
+            let encoder = PngEncoder::new(file);
+            encoder.write_image(&bytes, width, height, ExtendedColorType::Rgba8).map_err(plain)
+        }
+        Format::Jpeg => {
+            let rgb = |[r, g, b, _]: [u8; 4]| [r, g, b];
+            let bytes: Vec<u8> = image.srgb_bytes().into_iter().flat_map(rgb).collect();
+            let encoder = JpegEncoder::new_with_quality(file, JPEG_QUALITY);
+            encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb8).map_err(plain)
+        }
+        Format::Hdr => {
+            let colors: Vec<_> =
+                pixels.iter().map(|&[r, g, b, _]| ::image::Rgb([r, g, b])).collect();
+            HdrEncoder::new(file).encode(&colors, size.0, size.1).map_err(plain)
+        }
+        Format::Exr => {
+            let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
+                let [r, g, b, a] = pixels[at.y() * size.0 + at.x()];
+                (r, g, b, a)
+            });
+            let layer = Layer::new(size, LayerAttributes::default(), EXR_ENCODING, channels);
+            let written = ExrImage::from_layer(layer).write().to_buffered(file);
+            written.map_err(|error| EncodeError { problem: error.to_string() })
+        }
+    }
+}
