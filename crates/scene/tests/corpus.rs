@@ -1,5 +1,5 @@
-//! Malformed files, kept from fuzzing and made by spoiling good ones in ways that do not depend on chance:
-//! nothing may panic, hang, or load with an index out of range.
+//! Malformed files, kept from fuzzing and made by spoiling good ones in ways that do not depend on
+//! chance: nothing may panic, hang, or load with an index out of range.
 
 mod support;
 

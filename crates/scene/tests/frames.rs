@@ -103,13 +103,13 @@ fn a_ray_that_enters_a_round_solid_leaves_it_at_the_far_side() {
     assert!(crossed > 2_000, "only {crossed} rays crossed a solid");
 }
 
-/// How far a point rebuilt from `uv` may be from the hit beyond the hit's own error, per unit of the size of
-/// the element in the world and of its distance from the origin: `uv` and the way to the world are
-/// rounded. The crate's page states it.
+/// How far a point rebuilt from `uv` may be from the hit beyond the hit's own error, per unit of
+/// the size of the element in the world and of its distance from the origin: `uv` and the way to
+/// the world are rounded. The crate's page states it.
 const ROUND_TRIP: f32 = 2.0 * f32::EPSILON;
 
-/// Between the normals, in radians. The worst is 1.1e-5, of a cone that a frame flattens fifty-fold; without
-/// a frame it is 1e-6.
+/// Between the normals, in radians. The worst is 1.1e-5, of a cone that a frame flattens
+/// fifty-fold; without a frame it is 1e-6.
 const NORMAL_ROUND_TRIP: f64 = 2e-5;
 
 #[test]

@@ -1,5 +1,5 @@
-//! Normals that light scatters about: on the side of the viewer, and never such that what is mirrored goes
-//! below the surface.
+//! Normals that light scatters about: on the side of the viewer, and never such that what is
+//! mirrored goes below the surface.
 
 mod support;
 
@@ -31,7 +31,8 @@ fn bent_shapes(random: &mut Random) -> Vec<Shape> {
     all
 }
 
-/// How far above the surface the mirror image of `outgoing` is, on the side of the viewer; without rounding.
+/// How far above the surface the mirror image of `outgoing` is, on the side of the viewer; without
+/// rounding.
 fn height(normal: Vec3, outgoing: Vec3, geometric: Vec3) -> f64 {
     let [n, o, g] = [normal, outgoing, geometric].map(|v| v.as_dvec3());
     let mirrored = 2.0 * n.dot(o) * n - o;

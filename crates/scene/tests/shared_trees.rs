@@ -8,8 +8,8 @@ use support::{Random, ray_at, scene_of, shapes};
 
 const SIZE: f32 = 0.5;
 
-/// Shapes of which some share a tree and some do not: some kinds and frames stand between the triangles, one
-/// shape is there twice, one is empty, and the last has too many triangles.
+/// Shapes of which some share a tree and some do not: some kinds and frames stand between the
+/// triangles, one shape is there twice, one is empty, and the last has too many triangles.
 fn scene() -> Scene {
     let mut random = Random(3);
     let mut of = |kind: ElementKind, count: u32| -> Shape {

@@ -62,8 +62,8 @@ fn a_subdivided_cube_comes_close_to_its_limit_and_stays_closed() {
             "normals point out: {normal} at {position}"
         );
     }
-    // The limit of a corner of valence n = 3 is (n² P + 4 ΣE + ΣF) / (n (n + 5)), which is 1/2 for E and F
-    // the neighbours along edges and across faces: ((9 + 4 - 1) / 24).
+    // The limit of a corner of valence n = 3 is (n² P + 4 ΣE + ΣF) / (n (n + 5)), which is 1/2 for
+    // E and F the neighbours along edges and across faces: ((9 + 4 - 1) / 24).
     let corner = shape.positions.iter().map(|p| p.min_element()).fold(0.0, f32::max);
     assert!((corner - 0.5).abs() < 5e-3, "{corner}");
 }
@@ -105,8 +105,8 @@ fn texture_coordinates_are_smoothed_inside_their_islands() {
     let once = |fields: &str| subdivided(&sheet, &format!(r#", "subdivisions": 1{fields}"#));
     let smooth = once("").expect("subdivides");
     let has = |shape: &Shape, uv: Vec2| shape.texcoords.iter().any(|own| own.distance(uv) < 1e-6);
-    // (F + 2 R + P) / 4 with P = (0.9, 0.3) and each of its eight neighbours about (0.5, 0.5): F is 0.25 of
-    // the way to P, R half of it.
+    // (F + 2 R + P) / 4 with P = (0.9, 0.3) and each of its eight neighbours about (0.5, 0.5): F is
+    // 0.25 of the way to P, R half of it.
     let off = vec2(0.4, -0.2);
     assert!(has(&smooth, vec2(0.5, 0.5) + 0.5625 * off), "a point inside: {:?}", smooth.texcoords);
     // A mean of two ends and two face points: (0.5, 0) and P, and two of a quarter of P.

@@ -1,6 +1,7 @@
 //! What bytes of a fuzzer become: a scene file and the file that it names.
 
-/// The name and content of the file that a scene names, and the scene; `None` for what is not worth a try.
+/// The name and content of the file that a scene names, and the scene; `None` for what is not worth
+/// a try.
 pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<u8>)> {
     match target {
         "ply" | "obj" => {
