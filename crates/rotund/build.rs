@@ -1,7 +1,7 @@
 //! Lists the scene files that are built into the program.
 //!
-//! In a package they lie in `scenes/`. In a checkout that is a symbolic link, which Windows may check out
-//! as a file of text, so the folder that it names is tried as well.
+//! In a package they lie in `scenes/`. In a checkout that is a symbolic link, which Windows may
+//! check out as a file of text, so the folder that it names is tried as well.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

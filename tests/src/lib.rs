@@ -20,3 +20,15 @@ struct Scene;
 #[cfg(doctest)]
 #[doc = include_str!("../../crates/trace/README.md")]
 struct Trace;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../crates/image/README.md")]
+struct Image;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../crates/golden/README.md")]
+struct Golden;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../crates/report/README.md")]
+struct Report;

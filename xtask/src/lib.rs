@@ -69,8 +69,8 @@ struct RaysArgs {
     load: rotund::LoadArgs,
 }
 
-/// The command line: the commands of `rotund` with examples for `cargo xtask`, and with defaults for
-/// the workspace.
+/// The command line: the commands of `rotund` with examples for `cargo xtask`, and with defaults
+/// for the workspace.
 fn program() -> clap::Command {
     let golden = workspace::root().join("tests/golden");
     rotund::with_examples_of("cargo xtask", Cli::command())

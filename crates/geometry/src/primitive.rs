@@ -39,6 +39,10 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 /// The same ray must give the same answer each time, and `closest_t` and `any` must agree with
 /// `closest`.
 ///
+/// A reference to a primitive, and with the feature `std` a `Box`, is a primitive too. So a list of
+/// `&dyn Primitive` or `Box<dyn Primitive>` can hold shapes of different types; a tree that is
+/// built on several threads asks for `+ Sync`.
+///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
 /// use rotund_geometry::{Aabb, Hit, Primitive, Ray, Sphere, rounding_error};
@@ -134,41 +138,44 @@ pub trait Primitive {
     fn normal(&self, uv: Vec2) -> Vec3;
 }
 
+// The forwarders are always inlined, so that callers that are compiled for an instruction set, as
+// the trees of `rotund-bvh`, inline the intersection itself and not a call to a copy without that
+// set.
 macro_rules! forward {
     ($([$($generic:tt)*] $type:ty => $shape:ty,)+) => {
         $(
             impl $($generic)* Primitive for $type {
-                #[inline]
+                #[inline(always)]
                 fn bounds(&self) -> Aabb {
                     <$shape>::bounds(self)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn closest(&self, ray: &Ray) -> Option<Hit> {
                     <$shape>::closest(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn closest_t(&self, ray: &Ray) -> Option<f32> {
                     <$shape>::closest_t(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn any(&self, ray: &Ray) -> bool {
                     <$shape>::any(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn uv(&self, hit: &Hit) -> Vec2 {
                     <$shape>::uv(self, hit)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn position(&self, uv: Vec2) -> Vec3 {
                     <$shape>::position(self, uv)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn normal(&self, uv: Vec2) -> Vec3 {
                     <$shape>::normal(self, uv)
                 }
@@ -188,3 +195,6 @@ forward!(
     [] Quad => Quad,
     [<P: Primitive + ?Sized>] &P => P,
 );
+// For lists of shapes of different types, such as `Vec<Box<dyn Primitive + Sync>>`.
+#[cfg(feature = "std")]
+forward!([<P: Primitive + ?Sized>] std::boxed::Box<P> => P,);

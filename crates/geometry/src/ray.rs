@@ -32,6 +32,13 @@ pub struct Ray {
     pub t_max: f32,
 }
 
+/// The ray from the origin along `-z`, the view direction of a camera, on to infinity.
+impl Default for Ray {
+    fn default() -> Self {
+        Self::new(Vec3::ZERO, Vec3::NEG_Z)
+    }
+}
+
 impl Ray {
     /// Returns the ray from `origin` on to infinity, `t` in `0.0..=f32::INFINITY`.
     #[must_use]

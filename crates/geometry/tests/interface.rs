@@ -13,7 +13,8 @@ macro_rules! assert_forwards {
     ($($shape:ident),+) => {
         $(
             let shape = $shape::default();
-            let generic: &dyn Primitive = &&shape;
+            let boxed: Box<dyn Primitive + Sync> = Box::new(&shape);
+            let generic: &dyn Primitive = &boxed;
             let hit = shape.closest(&RAY).expect(stringify!($shape));
             let uv = shape.uv(&hit);
             assert_eq!(generic.closest(&RAY), Some(hit));
@@ -129,6 +130,8 @@ fn defaults_are_unit_shapes_the_same_for_both_methods() {
     assert_eq!(Sphere::default().position(Vec2::ZERO), Vec3::Y);
     assert_eq!(RoundedCone::default().position(Vec2::ZERO), Vec3::NEG_Y);
     assert!(Aabb::default().is_empty());
+    let origin = Vec3::new(0.0, 0.0, 5.0);
+    assert_eq!(Ray { origin, ..Ray::default() }, Ray::new(origin, Vec3::NEG_Z));
     assert_eq!(Method::default(), Method::Enhanced);
 }
 

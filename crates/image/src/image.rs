@@ -4,12 +4,12 @@ use crate::color::{linear_from_srgb_table, srgb_from_linear};
 
 /// An image in linear RGB with BT.709 primaries, row by row from the top.
 ///
-/// Channels have no upper limit: 1 is the white of a screen, and light sources are brighter. Alpha is
-/// coverage, 1 where the image is opaque. No function of this crate multiplies or divides colours by
-/// alpha: what a pixel holds is what a file gets.
+/// Channels have no upper limit: 1 is the white of a screen, and light sources are brighter. Alpha
+/// is coverage, 1 where the image is opaque. No function of this crate multiplies or divides
+/// colours by alpha: what a pixel holds is what a file gets.
 ///
-/// Both fields and methods are public; a literal must hold `width * height` pixels, and functions that
-/// can fail refuse an image that does not.
+/// Both fields and methods are public; a literal must hold `width * height` pixels, and functions
+/// that can fail refuse an image that does not.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
     /// Number of columns.
@@ -85,8 +85,8 @@ impl Image {
         Self::from_fn(width, height, |x, y| self.pixel(left + x, top + y))
     }
 
-    /// Returns the image scaled down to `width` by `height` pixels. Each pixel is the mean, in linear
-    /// light, of the area that it covers. A side that would grow repeats pixels instead.
+    /// Returns the image scaled down to `width` by `height` pixels. Each pixel is the mean, in
+    /// linear light, of the area that it covers. A side that would grow repeats pixels instead.
     ///
     /// # Panics
     ///
@@ -116,8 +116,8 @@ impl Image {
     }
 }
 
-/// For each of `to` intervals that divide `from` pixels evenly: the pixels that it covers, and their
-/// shares.
+/// For each of `to` intervals that divide `from` pixels evenly: the pixels that it covers, and
+/// their shares.
 fn coverage(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
     let scale = f64::from(from) / f64::from(to);
     let interval = |i: u32| {

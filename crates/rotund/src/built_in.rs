@@ -11,7 +11,8 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().filter_map(|(path, _)| path.strip_suffix(".json"))
 }
 
-/// Loads the scene of this name, if it is one of [`names`]. The list of files that were read is empty.
+/// Loads the scene of this name, if it is one of [`names`]. The list of files that were read is
+/// empty.
 pub(crate) fn load(name: &str, options: &LoadOptions) -> Option<Result<Loaded, LoadError>> {
     let scene = format!("{name}.json");
     let json = bytes(&scene)?;
@@ -49,7 +50,9 @@ mod tests {
 
     #[test]
     fn every_scene_file_of_the_workspace_is_built_in() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let folders = ["../../scenes", "scenes"].map(|folder| package.join(folder));
+        let folder = folders.into_iter().find(|folder| folder.is_dir()).expect("the scenes");
         let mut expected = files_below(&folder, "");
         expected.retain(|(name, _)| !name.ends_with(".md"));
         let found: BTreeSet<_> =

@@ -1,5 +1,5 @@
-//! Ctrl-C: the first ends a render early, and its samples are written; the second ends the program at
-//! once.
+//! Ctrl-C: the first ends a render early, and its samples are written; the second ends the program
+//! at once.
 
 use std::fmt;
 use std::sync::OnceLock;

@@ -18,12 +18,12 @@ pub(crate) struct CheckpointArgs {
     /// Seconds between checkpoints.
     #[arg(long, value_name = "SECONDS", default_value_t = 60, requires = "checkpoint")]
     checkpoint_every: u64,
-    /// Continue from the checkpoint if there is one. The picture equals that of an uninterrupted render
-    /// bit for bit.
+    /// Continue from the checkpoint if there is one. The picture equals that of an uninterrupted
+    /// render bit for bit.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
-    /// Render only shard I of N, counted from 1: every N-th sample. `merge` makes one picture of the
-    /// checkpoints of all shards.
+    /// Render only shard I of N, counted from 1: every N-th sample. `merge` makes one picture of
+    /// the checkpoints of all shards.
     #[arg(long, value_name = "I/N", value_parser = parse_shard, requires = "checkpoint")]
     pub(crate) shard: Option<Shard>,
 }
@@ -52,8 +52,8 @@ pub(crate) struct Checkpoint {
 }
 
 impl CheckpointArgs {
-    /// Returns the film to add samples to, and the file to save it in. `label` names everything that the
-    /// samples depend on and that a film has no field for.
+    /// Returns the film to add samples to, and the file to save it in. `label` names everything
+    /// that the samples depend on and that a film has no field for.
     pub(crate) fn open(
         &self,
         options: &Options,
@@ -100,8 +100,8 @@ impl Checkpoint {
         &self.path
     }
 
-    /// Saves the film if the last time is long enough ago. A failure is only a warning: a disk that is
-    /// full now may have room at the end.
+    /// Saves the film if the last time is long enough ago. A failure is only a warning: a disk that
+    /// is full now may have room at the end.
     #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
     pub(crate) fn update(&mut self, film: &Film) {
         if self.saved.elapsed() >= self.every {

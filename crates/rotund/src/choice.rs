@@ -1,4 +1,5 @@
-//! Option values that another crate lists: its names and descriptions become those of the command line.
+//! Option values that another crate lists: its names and descriptions become those of the command
+//! line.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::error::Error;

@@ -1,10 +1,10 @@
-//! The inside of the program `rotund`: its command line, for `main.rs`, tests and the workspace's own
-//! tasks.
+//! The inside of the program `rotund`: its command line, for `main.rs`, tests and the workspace's
+//! own tasks.
 //!
-//! This is no library to build on: the crates below it are, from `rotund-geometry` to `rotund-golden`.
-//! Each command is a module with a clap `Args` and a function `run`; this file parses and dispatches.
-//! Commands compose functions of the other crates and print; no formula of intersection or shading lives
-//! here.
+//! This is no library to build on: the crates below it are, from `rotund-geometry` to
+//! `rotund-golden`. Each command is a module with a clap `Args` and a function `run`; this file
+//! parses and dispatches. Commands compose functions of the other crates and print; no formula of
+//! intersection or shading lives here.
 //!
 //! # Exit codes
 //!
@@ -68,8 +68,8 @@ Examples:
   rotund diff out/shapes4/enhanced.exr out/shapes4/vanilla.exr
   rotund COMMAND --help";
 
-/// Render points as spheres, lines as rounded cones and quads as bilinear patches, exactly and by the
-/// usual approximations, and compare the pictures.
+/// Render points as spheres, lines as rounded cones and quads as bilinear patches, exactly and by
+/// the usual approximations, and compare the pictures.
 #[derive(Debug, Parser)]
 #[command(name = "rotund", bin_name = "rotund", version, args_override_self = true)]
 #[command(after_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
@@ -100,8 +100,8 @@ pub enum Command {
 }
 
 impl Command {
-    /// Runs the command. `program` is the command line that it was parsed by, for which `completions`
-    /// writes a script.
+    /// Runs the command. `program` is the command line that it was parsed by, for which
+    /// `completions` writes a script.
     ///
     /// # Errors
     ///
@@ -130,8 +130,8 @@ pub fn with_examples_of(invocation: &str, program: clap::Command) -> clap::Comma
     })
 }
 
-/// Parses `arguments` (the first names the program), runs the command, reports failure on standard error
-/// and returns the exit code.
+/// Parses `arguments` (the first names the program), runs the command, reports failure on standard
+/// error and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
     report(run(arguments))
 }
@@ -140,7 +140,8 @@ pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) ->
 ///
 /// # Errors
 ///
-/// Returns a [`clap::Error`] if the command line is wrong, and else the reason why the command failed.
+/// Returns a [`clap::Error`] if the command line is wrong, and else the reason why the command
+/// failed.
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> anyhow::Result<()> {
     let mut program = Cli::command();
     let matches = program.try_get_matches_from_mut(arguments)?;

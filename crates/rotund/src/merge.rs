@@ -22,8 +22,8 @@ pub struct Args {
     /// The finished checkpoints of all shards, in any order.
     #[arg(required = true, value_name = "CHECKPOINT")]
     films: Vec<PathBuf>,
-    /// The image to write: png (sRGB), exr or hdr (linear).
-    #[arg(long, value_name = "FILE.{png,exr,hdr}")]
+    /// The image to write: png or jpg (sRGB), exr or hdr (linear).
+    #[arg(long, value_name = "FILE.{png,jpg,exr,hdr}")]
     out: PathBuf,
 }
 

@@ -2,8 +2,8 @@
 
 /// Joins the messages of an error and of its causes by colons.
 ///
-/// Some errors quote their cause in their own message and return it as a source as well; such a cause is
-/// left out, so that each appears once.
+/// Some errors quote their cause in their own message and return it as a source as well; such a
+/// cause is left out, so that each appears once.
 pub(crate) fn one_line(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain().map(ToString::to_string) {

@@ -1,9 +1,9 @@
 //! `noise <scene> --reference FILE`: noise against render time, for both samplers.
 //!
-//! Noise is `mean((a - b)² / (b² + 0.01))` against the reference, without the worst 0.1 % of the pixels.
-//! With plain Monte Carlo it falls as one over the time, so seconds times noise is a figure of merit
-//! that does not depend on the number of samples. The measurement includes the noise of the reference,
-//! which therefore should have many more samples.
+//! Noise is `mean((a - b)² / (b² + 0.01))` against the reference, without the worst 0.1 % of the
+//! pixels. With plain Monte Carlo it falls as one over the time, so seconds times noise is a figure
+//! of merit that does not depend on the number of samples. The measurement includes the noise of
+//! the reference, which therefore should have many more samples.
 
 use crate::cancel::Cancelled;
 use crate::kinds::enhance;
@@ -13,6 +13,7 @@ use anyhow::{Result, bail};
 use rotund_image::{Image, trimmed_relative_error};
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
+use rotund_report::html;
 use rotund_trace::{Film, Options, Sequence, World};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -79,8 +80,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
             |film: &Film| trimmed_relative_error(&film.image(), &reference).unwrap_or(f64::NAN);
         let mut read = |film: &Film| {
             let now = start.elapsed();
-            // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number of
-            // samples of a film rises at the end of a pass, when all pixels have as many.
+            // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number
+            // of samples of a film rises at the end of a pass, when all pixels have as many.
             let due = readings.last().map_or(1, |last| 2 * last.samples).min(options.samples);
             if film.samples() >= due {
                 readings.push(Reading {
@@ -116,14 +117,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
     let title = format!("{}: noise against time", scene.name);
     let labels = Labels { title: &title, x: "seconds", y: "relative squared error" };
-    let style = rotund_report::STYLE;
-    let page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{0}</title>\
-         <style>{style}</style><body><h1>{0}</h1>{1}{2}<pre>{table}</pre></body></html>\n",
-        chart::escape(&title),
+    let body = format!(
+        "<h1>{}</h1>\n{}{}<pre>{table}</pre>",
+        html::escape(&title),
         chart::legend(&curves),
         chart::curves(&labels, &curves, None),
     );
+    let page = html::page(&title, "", &body);
     write_text(&args.out, &page)?;
     say(table.to_string())?;
     say(format!("\nopen {}", args.out.display()))

@@ -1,6 +1,7 @@
 //! Output files: checked before a long render, and written so that nobody sees half of one.
 
 use anyhow::{Context, Result, bail};
+use rotund_image::Format;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -15,13 +16,13 @@ pub fn prepare_folder(folder: &Path) -> Result<()> {
     check_writable(folder)
 }
 
-/// Makes sure that an image file can be made under this name.
-pub(crate) fn check_image_file(path: &Path) -> Result<()> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    if !["png", "exr", "hdr"].contains(&extension.as_str()) {
-        bail!("cannot write {}: an image is named *.png, *.exr or *.hdr", path.display());
-    }
-    check_file(path)
+/// Makes sure that an image file can be made under this name; returns its format.
+pub(crate) fn check_image_file(path: &Path) -> Result<Format> {
+    let Some(format) = Format::from_path(path) else {
+        bail!("cannot write {}: images are {} files", path.display(), Format::EXTENSIONS);
+    };
+    check_file(path)?;
+    Ok(format)
 }
 
 /// Makes sure that a file can be made under this name.

@@ -9,6 +9,7 @@ use crate::progress::rays_per_second;
 use crate::shot::{PictureArgs, odd_samples, take_on};
 use anyhow::{Result, bail};
 use rotund_geometry::Method;
+use rotund_image::Format;
 use rotund_report::console::say;
 use rotund_trace::{Film, Options, View, World, output};
 use std::path::PathBuf;
@@ -46,13 +47,14 @@ fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub struct Args {
     /// The name of a built-in scene, or the path of a JSON, PLY or OBJ file.
     scene: String,
-    /// The image to write: png (sRGB), exr or hdr (linear).
-    #[arg(long, value_name = "FILE.{png,exr,hdr}", required_unless_present = "checkpoint")]
+    /// The image to write: png or jpg (sRGB), exr or hdr (linear).
+    #[arg(long, value_name = "FILE.{png,jpg,exr,hdr}", required_unless_present = "checkpoint")]
     out: Option<PathBuf>,
     /// The quantity that the picture shows.
     #[arg(long, value_parser = choice::parser::<View>(views()), default_value = "path")]
     view: View,
-    /// Make the background transparent: the environment lights the scene but is hidden from the camera.
+    /// Make the background transparent: the environment lights the scene but is hidden from the
+    /// camera.
     #[arg(long)]
     transparent: bool,
     /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.
@@ -69,10 +71,12 @@ pub struct Args {
 
 pub(crate) fn run(args: Args) -> Result<()> {
     if let Some(out) = &args.out {
-        check_image_file(out)?;
-        let is_exr = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-        if args.layers && !is_exr {
+        let format = check_image_file(out)?;
+        if args.layers && format != Format::Exr {
             bail!("cannot write layers to {}: only an exr holds them", out.display());
+        }
+        if args.transparent && !matches!(format, Format::Png | Format::Exr) {
+            bail!("cannot write {}: only png and exr hold a transparent background", out.display());
         }
     }
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;

@@ -17,8 +17,8 @@ pub struct NamedScene {
 /// Security, error recovery and defaults for loading a scene.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct LoadArgs {
-    /// Radius in meters of the points and lines of a lone PLY or OBJ file. It replaces the radii in the
-    /// file, and the default of half the usual distance between neighbours.
+    /// Radius in meters of the points and lines of a lone PLY or OBJ file. It replaces the radii in
+    /// the file, and the default of half the usual distance between neighbours.
     #[arg(long, value_name = "METERS", value_parser = radius)]
     radius: Option<f32>,
     /// Replace textures that cannot be read by white, with a warning, instead of failing.
@@ -46,13 +46,13 @@ impl LoadArgs {
     }
 }
 
-/// Loads a scene by the name of a built-in one or by the path of a JSON, PLY or OBJ file, and prints the
-/// loader's warnings on standard error.
+/// Loads a scene by the name of a built-in one or by the path of a JSON, PLY or OBJ file, and
+/// prints the loader's warnings on standard error.
 ///
 /// # Errors
 ///
-/// If there is no such scene, the loader refuses it, or it has neither a camera nor any surface to aim
-/// one at.
+/// If there is no such scene, the loader refuses it, or it has neither a camera nor any surface to
+/// aim one at.
 #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
 pub fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
     let (name, loaded) = load_silently(name_or_path, args)?;
@@ -75,8 +75,8 @@ pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(Stri
     let is_path = name_or_path.contains(std::path::is_separator) || path.extension().is_some();
     if !is_path {
         bail!(
-            "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a JSON, \
-             PLY or OBJ file",
+            "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a \
+             JSON, PLY or OBJ file",
             built_in::names().collect::<Vec<_>>().join(", ")
         );
     }

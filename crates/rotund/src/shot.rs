@@ -47,7 +47,8 @@ pub struct ShotArgs {
     /// Source of random numbers.
     #[arg(long, value_enum, default_value = "sobol")]
     sampler: SamplerKind,
-    /// Scale down samples with a channel above this radiance: less noise, but the picture gets darker.
+    /// Scale down samples with a channel above this radiance: less noise, but the picture gets
+    /// darker.
     #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
     clamp: Option<f32>,
     /// Number of threads. Default: one for each processor. The picture is the same for any number.
@@ -141,8 +142,8 @@ impl Shot {
     }
 }
 
-/// Renders a scene by the methods of its shapes, with a progress meter under the name `label`. Ctrl-C
-/// ends the render early.
+/// Renders a scene by the methods of its shapes, with a progress meter under the name `label`.
+/// Ctrl-C ends the render early.
 ///
 /// # Errors
 ///
@@ -151,7 +152,8 @@ pub fn take(scene: &Scene, camera: usize, options: &Options, label: &str) -> Res
     take_from(Film::for_options(options)?, scene, camera, options, label)
 }
 
-/// Adds samples to a picture until it has `samples` of them. Timings and counts include those of `shot`.
+/// Adds samples to a picture until it has `samples` of them. Timings and counts include those of
+/// `shot`.
 pub(crate) fn take_more(
     scene: &Scene,
     camera: usize,
@@ -185,8 +187,8 @@ fn take_from(
     Ok(Shot { build_seconds, ..shot })
 }
 
-/// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report` gets
-/// the film several times a second. Ctrl-C ends the render early.
+/// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report`
+/// gets the film several times a second. Ctrl-C ends the render early.
 pub(crate) fn take_on(
     mut film: Film,
     world: &World<'_>,
@@ -212,8 +214,8 @@ pub(crate) fn take_on(
     Ok(Shot { film, build_seconds: 0.0, render_seconds, rays, samples, interrupted })
 }
 
-/// Returns counts of rejected and clamped samples for the end of a message; an empty text if there are
-/// none.
+/// Returns counts of rejected and clamped samples for the end of a message; an empty text if there
+/// are none.
 pub(crate) fn odd_samples(film: &Film) -> String {
     let mut text = String::new();
     for (count, what) in [

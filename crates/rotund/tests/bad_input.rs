@@ -125,8 +125,8 @@ fn a_bad_scene_is_refused_with_its_file_and_field() {
 #[test]
 fn bad_arguments_are_refused_before_any_work() {
     type Case<'a> = (&'a str, &'a [&'a str], i32, &'a [&'a str]);
-    let table: [Case<'_>; 14] = [
-        ("no folder of references", &["golden", "scene.json"], 2, &["--dir"]),
+    let table: [Case<'_>; 15] = [
+        ("no folder of references", &["golden", "scene.json"], 2, &["required arguments"]),
         ("unknown scene", &["info", "shapes9"], 1, &["shapes9", "shapes1", "shapes4"]),
         ("missing file", &["info", "no/such.json"], 1, &["no/such.json"]),
         ("a folder", &["info", "./"], 1, &["folder"]),
@@ -141,7 +141,18 @@ fn bad_arguments_are_refused_before_any_work() {
         ("zero bounces", &["compare", "scene.json", "--bounces", "0"], 2, &["--bounces"]),
         ("unknown kind", &["compare", "scene.json", "--kinds", "lines,dots"], 2, &["dots"]),
         ("unknown command", &["dance"], 2, &["dance"]),
-        ("unknown format", &["render", "scene.json", "--out", "a.gif"], 1, &["a.gif", "*.png"]),
+        (
+            "unknown format",
+            &["render", "scene.json", "--out", "a.gif"],
+            1,
+            &["a.gif", "png, jpg, hdr and exr"],
+        ),
+        (
+            "format without alpha",
+            &["render", "scene.json", "--transparent", "--out", "a.jpg"],
+            1,
+            &["a.jpg", "transparent", "png and exr"],
+        ),
         ("no such folder", &["render", "scene.json", "--out", "x/a.png"], 1, &["x"]),
         ("a file is no folder", &["compare", "scene.json", "--out", "one.ply"], 1, &["one.ply"]),
         ("not an image", &["diff", "one.ply", "one.ply"], 1, &["one.ply", "exr"]),
@@ -156,7 +167,7 @@ fn bad_arguments_are_refused_before_any_work() {
 #[test]
 fn a_truncated_image_is_refused_with_its_name() {
     let (folder, _) = scene("", "", TRIANGLE);
-    for name in ["a.png", "a.exr", "a.hdr"] {
+    for name in ["a.png", "a.jpg", "a.exr", "a.hdr"] {
         let render =
             ["render", "scene.json", "--resolution", "16", "--samples", "1", "--out", name];
         assert!(rotund(folder.path(), &render).status.success(), "{name}");

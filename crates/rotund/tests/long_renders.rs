@@ -166,7 +166,8 @@ fn shards_merge_to_the_picture_of_one_render() {
     assert!(place.bytes("plain.exr") == place.bytes("merged.exr"), "the pictures differ");
     place.refuse("merge 1.film 2.film --out no.exr", &["shard 3/3 is there 0 times"]);
     place.refuse("merge 1.film 2.film 2.film --out no.exr", &["shard 2/3 is there 2 times"]);
-    place.succeed("render scene.json --resolution 160 --seed 8 --shard 2/3 --checkpoint other.film --samples 1");
+    let other = "render scene.json --resolution 160 --seed 8 --samples 1";
+    place.succeed(&format!("{other} --shard 2/3 --checkpoint other.film"));
     place.refuse(
         "merge 1.film other.film 3.film --out no.exr",
         &[
@@ -217,8 +218,8 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
 #[test]
 fn every_view_makes_a_picture_and_layers_go_into_an_exr() {
     let place = Place::new();
-    let views = "path furnace eyelight position geometric-normal shading-normal uv texcoord element \
-        instance method material error";
+    let views = "path furnace eyelight position geometric-normal shading-normal uv texcoord \
+        element instance method material error";
     for view in views.split_whitespace() {
         let out = format!("{view}.png");
         place.succeed(&format!(

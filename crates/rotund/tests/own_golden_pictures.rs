@@ -1,4 +1,4 @@
-//! Golden pictures of a user's own scenes, by the command `golden --dir`.
+//! Golden pictures of a user's own scenes, by the command `golden`.
 
 use std::fs;
 use std::path::Path;
@@ -64,6 +64,21 @@ fn pictures_of_ones_own_scenes_are_kept() {
     assert!(page.contains("<strong>energy</strong>") && !page.contains("http"));
     user_run(folder, &["a.json"], &bless).unwrap();
     user_run(folder, &["a.json"], &[]).unwrap();
+}
+
+#[test]
+fn scenes_beside_their_references_are_checked_by_both_methods() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::create_dir(folder.join("goldens")).unwrap();
+    write_scene(&folder.join("goldens"), "a.json", 1.0);
+    user_run(folder, &[], &["--bless", "--resolution", "24"]).unwrap();
+    for reference in ["a-vanilla.exr", "a-enhanced.exr"] {
+        assert!(folder.join("goldens").join(reference).is_file(), "{reference}");
+    }
+    user_run(folder, &[], &[]).unwrap();
+    let none = user_run(folder, &[], &["--only", "b"]).unwrap_err().to_string();
+    assert_eq!(none, "no picture has \"b\" in its name");
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! Faults of single rays: without noise, each is caught for sure.
+//! Faults of single rays: without noise, each one is found.
 
 use super::{case, reference};
-use crate::cases;
-use crate::moments::{Moments, Plan, Subject};
-use crate::surface::{Probe, Surface};
-use crate::verdict::{Check, Finding};
+use crate::case::of_folder;
+use crate::check::{Check, Finding};
+use crate::probe::Probe;
+use crate::subject::{Plan, Subject};
+use crate::surface::Surface;
 use glam::{Vec2, Vec3};
 use rotund_bvh::Isa;
 use rotund_scene::{Elements, Scene};
@@ -21,7 +22,7 @@ struct Rays {
 impl Rays {
     fn of(name: &str) -> Self {
         let Surface { width, height, .. } = reference(name).surface;
-        let subject = Subject::new(case(name).load().unwrap(), Isa::default_set()).unwrap();
+        let subject = Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
         let probes = std::sync::Mutex::new(vec![Probe::default(); 16 * width * height]);
         Surface::measure(width, height, |uv, ray| {
             let probe = subject.probe(uv, ray);
@@ -55,7 +56,7 @@ fn tampered(name: &str, tamper: impl FnOnce(&mut Scene)) -> Vec<Finding> {
     let expected = reference(name).surface;
     let mut scene = case(name).load().unwrap();
     tamper(&mut scene);
-    let subject = Subject::new(scene, Isa::default_set()).unwrap();
+    let subject = Subject::new(name, scene, Isa::default_set()).unwrap();
     subject.surface(expected.width as u32, expected.height as u32).compare(&expected)
 }
 
@@ -156,14 +157,14 @@ fn a_missing_quad_is_caught() {
 
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
-    for case in cases::of_workspace(&super::folder()).unwrap() {
+    for case in of_folder(&super::folder()).unwrap() {
         let mut pictures = Vec::new();
         for isa in Isa::available() {
-            let subject = Subject::new(case.load().unwrap(), isa).unwrap();
+            let subject = Subject::new(&case.name, case.load().unwrap(), isa).unwrap();
             let (width, height) = subject.scene.cameras[0].resolution(48);
             let sequence = Sequence::Sobol;
             let plan = Plan { width, height, bounces: 8, samples: 2, sequence };
-            let light = Moments::measure(&subject, &plan, 1, 5).unwrap();
+            let light = subject.measure(&plan, 1, 5).unwrap();
             pictures.push((isa, light, subject.surface(width, height)));
         }
         let (_, light, surface) = &pictures[0];
@@ -178,8 +179,8 @@ fn every_instruction_set_gives_the_same_bits() {
 #[test]
 fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
     // One ball in front of the camera: each ray goes in and out.
-    let subject =
-        Subject::new(case("materials-enhanced").load().unwrap(), Isa::default_set()).unwrap();
+    let name = "materials-enhanced";
+    let subject = Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
     let ball = subject.scene.instances[1].world_from_object.translation;
     let camera = subject.scene.cameras[0].world_from_camera;
     let to_ball = camera.inverse().transform_point3(ball.into());

@@ -57,8 +57,8 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// If the scene cannot be rendered, or Ctrl-C is pressed; then the pictures so far are written into
-    /// `folder`.
+    /// If the scene cannot be rendered, or Ctrl-C is pressed; then the pictures so far are written
+    /// into `folder`.
     pub(super) fn render(
         source: &mut NamedScene,
         camera: usize,
@@ -103,8 +103,8 @@ impl Comparison {
         Ok(comparison)
     }
 
-    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures are
-    /// complete by then.
+    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures
+    /// are complete by then.
     fn render_longer(
         &self,
         scene: &mut Scene,

@@ -1,9 +1,9 @@
 //! `compare <scenes>`: the same picture by both methods, and what changed.
 //!
-//! Renders a scene vanilla and enhanced with equal seeds. Then the faster method continues until it has
-//! taken as long as the other, for a comparison at equal time. The folder of a scene gets `vanilla` and
-//! `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and `report.html`. Several
-//! scenes get a page `index.html` above their folders.
+//! Renders a scene vanilla and enhanced with equal seeds. Then the faster method continues until it
+//! has taken as long as the other, for a comparison at equal time. The folder of a scene gets
+//! `vanilla` and `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
+//! `report.html`. Several scenes get a page `index.html` above their folders.
 
 use crate::built_in;
 use crate::output::{prepare_folder, write_text};
@@ -83,7 +83,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
 }
 
-/// Compares one scene and prints its table; returns its metrics, its page and its card in the index.
+/// Compares one scene and prints its table; returns its metrics, its page and its card in the
+/// index.
 fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathBuf, Entry)> {
     let (mut scene, camera, options) = args.picture.load(name)?;
     let folder = folder.unwrap_or_else(|| Path::new("out").join(&scene.name));

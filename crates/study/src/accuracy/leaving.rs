@@ -6,13 +6,13 @@ use rotund_geometry::{Hit, Ray};
 use serde::Serialize;
 
 use super::{
+    case::Case,
     methods::{Measured, Method},
-    random::Random,
-    replay::Case,
     tally::Worst,
-    truth::{Crossing, Truth},
-    wide::{Wide, Wide3},
 };
+use crate::random::Random;
+use crate::truth::{Crossing, Truth};
+use crate::wide::{Wide, Wide3};
 
 /// The offsets tried, in units of 2⁻²⁴ max(|o|, |p|): none, then powers of two.
 const OFFSETS: [u32; 20] = {

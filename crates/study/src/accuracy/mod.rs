@@ -4,13 +4,11 @@
 //! under test; every method is held against that. Prints a table for each shape and writes a report
 //! that opens offline. It exists so that each claim about accuracy or speed has a command.
 
-mod baselines;
-mod families;
+mod case;
 mod leaving;
 mod methods;
 mod overview;
 mod progress;
-mod random;
 mod replay;
 mod report;
 mod round_trip;
@@ -19,8 +17,6 @@ mod study;
 mod tally;
 mod targets;
 mod timing;
-mod truth;
-mod wide;
 
 use std::{
     fs,

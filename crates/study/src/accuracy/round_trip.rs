@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use rotund_geometry::Ray;
 use rotund_scene::{ElementKind, Elements, Instance, Material, Method, Scene, Shape, Trees};
 
-use super::random::Random;
+use crate::random::Random;
 use rotund_report::console::{Table, say};
 
 /// Of each kind in a scene.

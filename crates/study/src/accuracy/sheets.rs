@@ -6,11 +6,9 @@ use rayon::prelude::*;
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone};
 use serde::Serialize;
 
-use super::{
-    methods::{Measured, Method},
-    random::Random,
-    truth::{Truth, unit_of},
-};
+use super::methods::{Measured, Method};
+use crate::random::Random;
+use crate::truth::{Truth, unit_of};
 
 /// What happened to rays aimed at places where shapes meet.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -220,7 +218,7 @@ fn aim_at_joint(random: &mut Random, cones: &[RoundedCone; 2], circle: bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::truth::Exact;
+    use crate::truth::Exact;
 
     fn method<S>(closest: fn(&S, &Ray) -> Option<rotund_geometry::Hit>) -> Method<S> {
         Method::published("planted", closest)

@@ -7,16 +7,16 @@ use rotund_geometry::{BilinearPatch, RoundedCone, Sphere};
 use serde::Serialize;
 
 use super::{
-    families::{Curve, Row, rows},
     leaving::{Leaving, LeavingCollector},
     methods::{Measured, Method},
     progress::Progress,
-    random::Random,
     sheets::{self, Joints},
     tally::{Collector, Tally},
     timing::{self, Timing},
-    truth::Truth,
 };
+use crate::families::{Curve, Row, rows};
+use crate::random::Random;
+use crate::truth::Truth;
 
 /// Hits of a row from which rays are sent on.
 const LEAVING_HITS: usize = 300;

@@ -5,10 +5,10 @@ use rotund_geometry::{Hit, Ray};
 use serde::Serialize;
 
 use super::{
+    case::Case,
     methods::{Measured, Method, Others},
-    replay::Case,
-    truth::{Crossing, Truth, unit_of},
 };
+use crate::truth::{Crossing, Truth, unit_of};
 
 /// Half of the rounding of an `f32` of size one.
 const UNIT: f64 = 1.0 / 16_777_216.0; // 2⁻²⁴

@@ -16,12 +16,10 @@ use cpu_time::ThreadTime;
 use rotund_geometry::{Hit, Ray};
 use serde::Serialize;
 
-use super::{
-    families::rows,
-    methods::{Measured, Method},
-    random::Random,
-    truth::Truth,
-};
+use super::methods::{Measured, Method};
+use crate::families::rows;
+use crate::random::Random;
+use crate::truth::Truth;
 
 /// Pairs of a shape and a ray that are repeated.
 const PAIRS: usize = 1024;

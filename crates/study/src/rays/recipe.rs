@@ -3,52 +3,26 @@
 //! Only `+ - * /` and square roots of `f32` and `f64`, so any program can make the same bits; the
 //! hashes say whether it did.
 
+use crate::random::Random;
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, glam::Vec3};
-
-/// SplitMix64, started from its seed.
-pub(super) struct Random(u64);
-
-impl Random {
-    pub(super) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// 24 bits of `0.0..1.0`.
-    fn single(&mut self) -> f32 {
-        (self.next() >> 40) as f32 * 2f32.powi(-24)
-    }
-
-    /// 53 bits of `0.0..1.0`.
-    fn double(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * 2f64.powi(-53)
-    }
-
-    /// A unit vector, by rejection.
-    fn unit(&mut self) -> Vector {
-        loop {
-            let [x, y, z] = [(); 3].map(|()| 2.0 * self.double() - 1.0);
-            let square = x * x + y * y + z * z;
-            if square > 1e-4 && square <= 1.0 {
-                let length = square.sqrt();
-                return Vector([x / length, y / length, z / length]);
-            }
-        }
-    }
-}
 
 /// Three doubles whose products are summed from left to right.
 #[derive(Clone, Copy)]
 struct Vector([f64; 3]);
 
 impl Vector {
+    /// Returns a random unit vector, by rejection.
+    fn random_unit(random: &mut Random) -> Self {
+        loop {
+            let [x, y, z] = [(); 3].map(|()| 2.0 * random.unit() - 1.0);
+            let square = x * x + y * y + z * z;
+            if square > 1e-4 && square <= 1.0 {
+                let length = square.sqrt();
+                return Self([x / length, y / length, z / length]);
+            }
+        }
+    }
+
     fn from_single(v: Vec3) -> Self {
         Self(v.to_array().map(f64::from))
     }
@@ -110,11 +84,11 @@ impl Fnv {
 
 /// `count` balls in the unit cube, of `base * (0.5..1.5)` radius, and the hash of their numbers.
 pub(super) fn spheres(count: usize, seed: u64, base: f32) -> (Vec<Sphere>, u64) {
-    let (mut random, mut hash) = (Random::new(seed), Fnv::new());
+    let (mut random, mut hash) = (Random::from_state(seed), Fnv::new());
     let spheres = (0..count)
         .map(|_| {
-            let center = [(); 3].map(|()| random.single());
-            let radius = base * (0.5 + random.single());
+            let center = [(); 3].map(|()| random.unit_f32());
+            let radius = base * (0.5 + random.unit_f32());
             hash.add(&center);
             hash.add(&[radius]);
             Sphere { center: center.into(), radius }
@@ -126,11 +100,11 @@ pub(super) fn spheres(count: usize, seed: u64, base: f32) -> (Vec<Sphere>, u64) 
 /// 20 segments in each of `fibres` tapering, curling fibres.
 pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
     const SEGMENTS: usize = 20;
-    let (mut random, mut hash) = (Random::new(2), Fnv::new());
+    let (mut random, mut hash) = (Random::from_state(2), Fnv::new());
     let mut cones = Vec::with_capacity(fibres * SEGMENTS);
     for _ in 0..fibres {
-        let mut p = Vector([(); 3].map(|()| random.double()));
-        let mut direction = random.unit();
+        let mut p = Vector([(); 3].map(|()| random.unit()));
+        let mut direction = Vector::random_unit(&mut random);
         let mut last: Option<(Vec3, f32)> = None;
         for k in 0..=SEGMENTS {
             let r = 0.0015 + (0.0003 - 0.0015) * (k as f64 / SEGMENTS as f64);
@@ -141,7 +115,7 @@ pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
                 cones.push(RoundedCone { p0, r0, p1, r1 });
             }
             last = Some((p1, r1));
-            let turn = random.unit();
+            let turn = Vector::random_unit(&mut random);
             direction = direction.plus(turn.times(0.5)).unit();
             p = p.plus(direction.times(0.01));
         }
@@ -155,13 +129,13 @@ pub(super) fn patches(n: usize) -> (Vec<BilinearPatch>, u64) {
         let a = t - t.floor();
         8.0 * a * (1.0 - a) - 1.0
     };
-    let (mut random, mut hash) = (Random::new(3), Fnv::new());
+    let (mut random, mut hash) = (Random::from_state(3), Fnv::new());
     let cell = 1.0 / n as f64;
     let mut vertices = Vec::with_capacity((n + 1) * (n + 1));
     for j in 0..=n {
         for i in 0..=n {
             let (x, y) = (i as f64 * cell, j as f64 * cell);
-            let noise = 0.5 * cell * (2.0 * random.double() - 1.0);
+            let noise = 0.5 * cell * (2.0 * random.unit() - 1.0);
             let z = 0.03 * (wave(3.0 * x) * wave(3.0 * y)) + noise;
             let vertex = Vector([x, y, z]).single();
             hash.add(&vertex.to_array());
@@ -239,10 +213,10 @@ pub(super) fn primary(target: &Target) -> Vec<Ray> {
 
 /// From a random point of the box towards another.
 pub(super) fn random(target: &Target, count: usize) -> Vec<Ray> {
-    let mut random = Random::new(103);
+    let mut random = Random::from_state(103);
     let size = Vector(target.max).minus(Vector(target.min));
     let mut point = || {
-        let at = Vector([(); 3].map(|()| random.double()));
+        let at = Vector([(); 3].map(|()| random.unit()));
         Vector(target.min).plus(at.map2(size, |a, b| a * b))
     };
     (0..count)
@@ -259,7 +233,7 @@ pub(super) fn secondary(
     primary: &[Ray],
     closest: impl Fn(&Ray) -> Option<rotund_geometry::Hit>,
 ) -> (Vec<Ray>, Vec<Ray>) {
-    let (mut bounce, mut lamp) = (Random::new(101), Random::new(102));
+    let (mut bounce, mut lamp) = (Random::from_state(101), Random::from_state(102));
     let (center, diagonal) = (target.center().0, target.diagonal());
     let (mut diffuse, mut shadow) = (Vec::new(), Vec::new());
     for ray in primary {
@@ -270,13 +244,13 @@ pub(super) fn secondary(
             n = n.times(-1.0);
         }
         let p = o.plus(d.times(f64::from(hit.t))).plus(n.times(1e-5 * diagonal));
-        let mut w = n.plus(bounce.unit());
+        let mut w = n.plus(Vector::random_unit(&mut bounce));
         if w.dot(w) < 1e-12 {
             w = n;
         }
         diffuse.push(Ray::new(p.single(), w.unit().single()));
-        let x = center[0] + (lamp.double() - 0.5) * 0.5 * diagonal;
-        let y = center[1] + (lamp.double() - 0.5) * 0.5 * diagonal;
+        let x = center[0] + (lamp.unit() - 0.5) * 0.5 * diagonal;
+        let y = center[1] + (lamp.unit() - 0.5) * 0.5 * diagonal;
         let light = Vector([x, y, target.max[2] + 0.5 * diagonal]);
         let towards = Ray::new(p.single(), light.minus(p).single());
         shadow.push(Ray { t_max: 0.999, ..towards });

@@ -8,9 +8,9 @@ use crate::accuracy::{
     study::{ShapeResult, Study, Summary},
     targets::short,
     timing::Timing,
-    truth::Exact,
 };
-use rotund_report::chart::escape;
+use crate::truth::Exact;
+use rotund_report::html::escape;
 
 pub(super) fn section(body: &mut String, study: &Study) {
     let find = |name: &str| study.shapes.iter().find(|s| s.shape == name && !s.timings.is_empty());

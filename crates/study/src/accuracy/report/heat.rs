@@ -1,17 +1,17 @@
 //! Maps of the error over a lit shape: one ray for each pixel, all parallel, from far away.
 
 use anyhow::Result;
-use base64::Engine as _;
 use glam::{DVec3, Vec3};
-use image::{Rgb, RgbImage, codecs::png::PngEncoder};
 use rayon::prelude::*;
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere};
+use rotund_image::Image;
+use rotund_report::embed::exact;
 
 use crate::accuracy::{
     methods::{Measured, Method},
     tally::Collector,
-    truth::Truth,
 };
+use crate::truth::Truth;
 
 /// Pixels of a side.
 const SIDE: u32 = 128;
@@ -72,14 +72,14 @@ pub(super) fn maps<S: Shown>(methods: &[&Method<S>]) -> Result<Vec<Maps>> {
     methods
         .par_iter()
         .map(|method| {
-            let mut position = RgbImage::new(SIDE, SIDE);
-            let mut normal = RgbImage::new(SIDE, SIDE);
-            for (x, y, pixel) in position.enumerate_pixels_mut() {
-                let [of_position, of_normal] = look(method, x, y);
-                *pixel = Rgb(of_position);
-                normal.put_pixel(x, y, Rgb(of_normal));
-            }
-            let (position, normal) = (data_uri(&position)?, data_uri(&normal)?);
+            let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| look(method, x, y)));
+            let pixels: Vec<[[u8; 3]; 2]> = pixels.collect();
+            let map = |index: usize| {
+                exact(&Image::from_srgb_fn(SIDE, SIDE, |x, y| {
+                    pixels[(y * SIDE + x) as usize][index]
+                }))
+            };
+            let (position, normal) = (map(0)?, map(1)?);
             Ok(Maps { method: method.name, position, normal })
         })
         .collect()
@@ -130,13 +130,7 @@ fn scale(share: f64) -> [u8; 3] {
 
 /// The scale as a picture.
 pub(super) fn scale_bar() -> Result<String> {
-    data_uri(&RgbImage::from_fn(256, 12, |x, _| Rgb(scale(f64::from(x) / 255.0))))
-}
-
-fn data_uri(image: &RgbImage) -> Result<String> {
-    let mut png = Vec::new();
-    image.write_with_encoder(PngEncoder::new(&mut png))?;
-    Ok(format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(png)))
+    Ok(exact(&Image::from_srgb_fn(256, 12, |x, _| scale(f64::from(x) / 255.0)))?)
 }
 
 #[cfg(test)]

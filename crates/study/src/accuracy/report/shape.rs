@@ -12,7 +12,8 @@ use crate::accuracy::{
     targets::short,
     timing::LOOP,
 };
-use rotund_report::chart::{self, Labels, Series, escape};
+use rotund_report::chart::{self, Labels, Series};
+use rotund_report::html::escape;
 
 /// A quantity that is drawn: its title, its axis, the value that stands for zero, and how to get it.
 struct Quantity {

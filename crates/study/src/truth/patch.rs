@@ -11,7 +11,7 @@ use glam::{DMat2, DVec2, DVec3, Vec3};
 use rotund_geometry::BilinearPatch;
 
 use super::{Crossing, Exact};
-use crate::accuracy::wide::{Wide, Wide3};
+use crate::wide::{Wide, Wide3};
 
 /// Parameters nearer than this to 0 or 1 are on the rim, as far as 106 bits can tell: a ray through a
 /// corner, exactly, comes out on either side of it. Of two neighbours only one counts such a ray.
@@ -210,7 +210,7 @@ mod tests {
     use rotund_geometry::Ray;
 
     use super::*;
-    use crate::accuracy::truth::{Truth, tests::every_crossing_lies_on_the_surface};
+    use crate::truth::{Truth, tests::every_crossing_lies_on_the_surface};
 
     fn saddle() -> BilinearPatch {
         BilinearPatch {

@@ -4,36 +4,107 @@ use glam::{DVec3, Vec3};
 use rotund_geometry::{Ray, Sphere};
 
 use super::{Curve, Families, Family, toward, with_interval, with_length};
-use crate::accuracy::random::Random;
+use crate::random::Random;
 
 impl Families for Sphere {
-    #[rustfmt::skip]
     const FAMILIES: &'static [Family<Self>] = &[
-        Family { name: "distance", why: "squares of the distance cancel", curve: Some(Curve::Distance),
-            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7], make: |r, d| from(r, 1.0, d) },
-        Family { name: "grazing", why: "the discriminant is nearly zero", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| grazing(r, gap, 10.0) },
-        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
-            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
-        Family { name: "tangent to the last bit", why: "passes by -3 to 3 roundings", curve: None,
-            levels: &[1.0], make: tangent },
-        Family { name: "inside", why: "one root on each side", curve: None, levels: &[1.0], make: inside },
-        Family { name: "on the surface", why: "t_min = 1e-4 hides the near root", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 1e-4) },
-        Family { name: "on the surface, t_min 0", why: "rounding decides the side", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 0.0) },
-        Family { name: "world offset", why: "coordinates have few digits left", curve: None,
-            levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
-        Family { name: "radius", why: "an absolute epsilon shows", curve: None,
-            levels: &[1e-6, 1e-3, 1e3, 1e6], make: |r, radius| from(r, radius, 10.0) },
-        Family { name: "direction length", why: "t counts in directions", curve: None,
-            levels: &[3.0, 30.0], make: lengths },
-        Family { name: "denormal direction", why: "its square underflows", curve: None, levels: &[1.0],
-            make: denormal },
-        Family { name: "interval", why: "its ends lie about the roots", curve: None, levels: &[1.0],
-            make: |r, _| { let (s, ray) = from(r, 1.0, 3.0); (s, with_interval(r, &s, ray)) } },
-        Family { name: "mixed exponents", why: "no scale is preferred", curve: None, levels: &[1.0],
-            make: mixed },
+        Family {
+            name: "distance",
+            why: "squares of the distance cancel",
+            curve: Some(Curve::Distance),
+            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7],
+            make: |r, d| from(r, 1.0, d),
+        },
+        Family {
+            name: "grazing",
+            why: "the discriminant is nearly zero",
+            curve: Some(Curve::Grazing),
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, gap| grazing(r, gap, 10.0),
+        },
+        Family {
+            name: "far and grazing",
+            why: "distance takes the digits that grazing needs",
+            curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7],
+            make: |r, d| {
+                let gap = 10f64.powf(r.range(-7.0, -1.0));
+                grazing(r, gap, d)
+            },
+        },
+        Family {
+            name: "tangent to the last bit",
+            why: "passes by -3 to 3 roundings",
+            curve: None,
+            levels: &[1.0],
+            make: tangent,
+        },
+        Family {
+            name: "inside",
+            why: "one root on each side",
+            curve: None,
+            levels: &[1.0],
+            make: inside,
+        },
+        Family {
+            name: "on the surface",
+            why: "t_min = 1e-4 hides the near root",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 1e-4),
+        },
+        Family {
+            name: "on the surface, t_min 0",
+            why: "rounding decides the side",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 0.0),
+        },
+        Family {
+            name: "world offset",
+            why: "coordinates have few digits left",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5, 1e6],
+            make: offset,
+        },
+        Family {
+            name: "radius",
+            why: "an absolute epsilon shows",
+            curve: None,
+            levels: &[1e-6, 1e-3, 1e3, 1e6],
+            make: |r, radius| from(r, radius, 10.0),
+        },
+        Family {
+            name: "direction length",
+            why: "t counts in directions",
+            curve: None,
+            levels: &[3.0, 30.0],
+            make: lengths,
+        },
+        Family {
+            name: "denormal direction",
+            why: "its square underflows",
+            curve: None,
+            levels: &[1.0],
+            make: denormal,
+        },
+        Family {
+            name: "interval",
+            why: "its ends lie about the roots",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let (s, ray) = from(r, 1.0, 3.0);
+                (s, with_interval(r, &s, ray))
+            },
+        },
+        Family {
+            name: "mixed exponents",
+            why: "no scale is preferred",
+            curve: None,
+            levels: &[1.0],
+            make: mixed,
+        },
     ];
 }
 

@@ -10,7 +10,7 @@ use glam::Vec3;
 use rotund_geometry::RoundedCone;
 
 use super::{Crossing, Exact, sphere::ball};
-use crate::accuracy::wide::{Wide, Wide3};
+use crate::wide::{Wide, Wide3};
 
 impl Exact for RoundedCone {
     const NAME: &'static str = "cone";
@@ -159,7 +159,7 @@ mod tests {
     use rotund_geometry::Ray;
 
     use super::*;
-    use crate::accuracy::truth::{Truth, tests::every_crossing_lies_on_the_surface};
+    use crate::truth::{Truth, tests::every_crossing_lies_on_the_surface};
 
     #[test]
     fn every_crossing_of_every_family_lies_on_the_cone() {

@@ -10,10 +10,8 @@ mod sphere;
 use glam::DVec3;
 use rotund_geometry::Ray;
 
-use super::{
-    random::Random,
-    truth::{Exact, Truth},
-};
+use crate::random::Random;
+use crate::truth::{Exact, Truth};
 
 /// What the levels of a family stand for, if they make a curve of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ mod sphere;
 use glam::{DVec2, DVec3, Vec3};
 use rotund_geometry::Ray;
 
-use super::wide::{Wide, Wide3};
+use crate::wide::{Wide, Wide3};
 
 /// A point that the whole line of a ray and the surface have in common.
 #[derive(Clone, Copy, Debug)]
@@ -95,9 +95,10 @@ impl Truth {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::accuracy::{families, random::Random};
+    use crate::families;
+    use crate::random::Random;
 
     /// Solves rays of every family and checks each crossing by its distance to the surface.
     pub(super) fn every_crossing_lies_on_the_surface<S: families::Families>() {

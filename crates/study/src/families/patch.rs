@@ -4,62 +4,221 @@ use glam::{DMat3, DVec3};
 use rotund_geometry::{BilinearPatch, Ray};
 
 use super::{Curve, Families, Family, toward, with_interval, with_length};
-use crate::accuracy::{random::Random, truth::Truth};
+use crate::random::Random;
+use crate::truth::Truth;
 
 /// The corners p00, p10, p01, p11.
 type Corners = [DVec3; 4];
 
 impl Families for BilinearPatch {
-    #[rustfmt::skip]
     const FAMILIES: &'static [Family<Self>] = &[
-        Family { name: "distance", why: "coordinates of the ray cancel", curve: Some(Curve::Distance),
-            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7], make: |r, d| { let c = bent(r, 0.2); (patch(c), aimed(r, c, d)) } },
-        Family { name: "planar, z = 0", why: "no quadratic part, exactly", curve: None, levels: &[1.0],
-            make: |r, _| { let c = jittered(r, 0.0); (patch(c), aimed(r, c, 3.0)) } },
-        Family { name: "planar, turned", why: "no quadratic part but rounding", curve: None, levels: &[1.0],
-            make: |r, _| shown(r, |r| bent(r, 0.0)) },
-        Family { name: "nearly planar", why: "the quadratic part is small", curve: None,
-            levels: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, h| { let c = bent(r, h); (patch(c), aimed(r, c, 3.0)) } },
-        Family { name: "in its plane", why: "the ray meets a planar patch nowhere, by definition", curve: None,
-            levels: &[1.0], make: in_plane },
-        Family { name: "saddle", why: "bends as much as it is wide", curve: None, levels: &[1.0],
-            make: |r, _| shown(r, |r| bent(r, 0.5)) },
-        Family { name: "twisted by 150 degrees", why: "two crossings, folds", curve: None, levels: &[1.0],
-            make: |r, _| shown(r, twisted) },
-        Family { name: "parallelogram", why: "the quadratic part is exactly zero", curve: None, levels: &[1.0],
-            make: |r, _| exact(r, |r| { let (q, e, f) = (grid(r), grid(r), grid(r)); [q, q + e, q + f, q + e + f] }) },
-        Family { name: "trapezoid", why: "two edges are exactly parallel", curve: None, levels: &[1.0],
-            make: |r, _| exact(r, |r| { let (q, e, f) = (grid(r), grid(r), grid(r)); [q, q + e, q + f, q + f + e * 0.5] }) },
-        Family { name: "nearly a trapezoid", why: "two edges are nearly parallel", curve: None,
-            levels: &[1e-3, 1e-5, 1e-7], make: near_trapezoid },
-        Family { name: "collapsed edge", why: "a triangle: the normal vanishes at a corner", curve: None,
-            levels: &[0.0, 1.0, 2.0, 3.0], make: |r, edge| collapsed(r, edge) },
-        Family { name: "bow tie", why: "the patch crosses itself", curve: None, levels: &[0.0, 0.2],
-            make: |r, h| shown(r, |r| { let [a, b, c, d] = bent(r, h); [a, b, d, c] }) },
-        Family { name: "parallel to a ruling", why: "one segment of the patch lies along the ray", curve: None,
-            levels: &[0.0, 1e-5, 1e-3], make: ruling },
-        Family { name: "grazing", why: "the ray passes a fold", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9], make: |r, gap| grazing(r, gap, 3.0) },
-        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
-            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
-        Family { name: "world offset", why: "coordinates have few digits left", curve: None,
-            levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
-        Family { name: "sliver", why: "one side is 1e-4 of the other", curve: None, levels: &[1e-4],
-            make: |r, w| shown(r, |r| turned(r, jittered_by(0.2).map(|p| p * DVec3::new(1.0, w, 1.0)))) },
-        Family { name: "near a corner", why: "both parameters are at their ends", curve: None, levels: &[1e-6],
-            make: near_corner },
-        Family { name: "interval", why: "its ends lie about the crossings", curve: None, levels: &[1.0],
-            make: |r, _| { let c = twisted(r); let ray = aimed(r, c, 3.0); (patch(c), with_interval(r, &patch(c), ray)) } },
-        Family { name: "from the surface", why: "t_min = 1e-4 hides a crossing", curve: None, levels: &[1.0],
-            make: from_surface },
-        Family { name: "scale", why: "an absolute epsilon shows", curve: None,
-            levels: &[1e-6, 1e-3, 1e3, 1e6], make: |r, s| { let c = bent(r, 0.3).map(|p| p * s); (patch(c), aimed(r, c, 3.0 * s)) } },
-        Family { name: "direction length", why: "t counts in directions", curve: None, levels: &[3.0, 30.0],
-            make: |r, l| { let (p, ray) = shown(r, |r| bent(r, 0.3)); (p, with_length(ray, 10f64.powf(r.range(-l, l)))) } },
-        Family { name: "denormal direction", why: "its square underflows", curve: None, levels: &[1.0],
-            make: denormal },
-        Family { name: "mixed exponents", why: "no scale is preferred", curve: None, levels: &[1.0],
-            make: mixed },
+        Family {
+            name: "distance",
+            why: "coordinates of the ray cancel",
+            curve: Some(Curve::Distance),
+            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7],
+            make: |r, d| {
+                let c = bent(r, 0.2);
+                (patch(c), aimed(r, c, d))
+            },
+        },
+        Family {
+            name: "planar, z = 0",
+            why: "no quadratic part, exactly",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let c = jittered(r, 0.0);
+                (patch(c), aimed(r, c, 3.0))
+            },
+        },
+        Family {
+            name: "planar, turned",
+            why: "no quadratic part but rounding",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| shown(r, |r| bent(r, 0.0)),
+        },
+        Family {
+            name: "nearly planar",
+            why: "the quadratic part is small",
+            curve: None,
+            levels: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, h| {
+                let c = bent(r, h);
+                (patch(c), aimed(r, c, 3.0))
+            },
+        },
+        Family {
+            name: "in its plane",
+            why: "the ray meets a planar patch nowhere, by definition",
+            curve: None,
+            levels: &[1.0],
+            make: in_plane,
+        },
+        Family {
+            name: "saddle",
+            why: "bends as much as it is wide",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| shown(r, |r| bent(r, 0.5)),
+        },
+        Family {
+            name: "twisted by 150 degrees",
+            why: "two crossings, folds",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| shown(r, twisted),
+        },
+        Family {
+            name: "parallelogram",
+            why: "the quadratic part is exactly zero",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                exact(r, |r| {
+                    let (q, e, f) = (grid(r), grid(r), grid(r));
+                    [q, q + e, q + f, q + e + f]
+                })
+            },
+        },
+        Family {
+            name: "trapezoid",
+            why: "two edges are exactly parallel",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                exact(r, |r| {
+                    let (q, e, f) = (grid(r), grid(r), grid(r));
+                    [q, q + e, q + f, q + f + e * 0.5]
+                })
+            },
+        },
+        Family {
+            name: "nearly a trapezoid",
+            why: "two edges are nearly parallel",
+            curve: None,
+            levels: &[1e-3, 1e-5, 1e-7],
+            make: near_trapezoid,
+        },
+        Family {
+            name: "collapsed edge",
+            why: "a triangle: the normal vanishes at a corner",
+            curve: None,
+            levels: &[0.0, 1.0, 2.0, 3.0],
+            make: |r, edge| collapsed(r, edge),
+        },
+        Family {
+            name: "bow tie",
+            why: "the patch crosses itself",
+            curve: None,
+            levels: &[0.0, 0.2],
+            make: |r, h| {
+                shown(r, |r| {
+                    let [a, b, c, d] = bent(r, h);
+                    [a, b, d, c]
+                })
+            },
+        },
+        Family {
+            name: "parallel to a ruling",
+            why: "one segment of the patch lies along the ray",
+            curve: None,
+            levels: &[0.0, 1e-5, 1e-3],
+            make: ruling,
+        },
+        Family {
+            name: "grazing",
+            why: "the ray passes a fold",
+            curve: Some(Curve::Grazing),
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9],
+            make: |r, gap| grazing(r, gap, 3.0),
+        },
+        Family {
+            name: "far and grazing",
+            why: "distance takes the digits that grazing needs",
+            curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7],
+            make: |r, d| {
+                let gap = 10f64.powf(r.range(-7.0, -1.0));
+                grazing(r, gap, d)
+            },
+        },
+        Family {
+            name: "world offset",
+            why: "coordinates have few digits left",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5, 1e6],
+            make: offset,
+        },
+        Family {
+            name: "sliver",
+            why: "one side is 1e-4 of the other",
+            curve: None,
+            levels: &[1e-4],
+            make: |r, w| {
+                shown(r, |r| turned(r, jittered_by(0.2).map(|p| p * DVec3::new(1.0, w, 1.0))))
+            },
+        },
+        Family {
+            name: "near a corner",
+            why: "both parameters are at their ends",
+            curve: None,
+            levels: &[1e-6],
+            make: near_corner,
+        },
+        Family {
+            name: "interval",
+            why: "its ends lie about the crossings",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let c = twisted(r);
+                let ray = aimed(r, c, 3.0);
+                (patch(c), with_interval(r, &patch(c), ray))
+            },
+        },
+        Family {
+            name: "from the surface",
+            why: "t_min = 1e-4 hides a crossing",
+            curve: None,
+            levels: &[1.0],
+            make: from_surface,
+        },
+        Family {
+            name: "scale",
+            why: "an absolute epsilon shows",
+            curve: None,
+            levels: &[1e-6, 1e-3, 1e3, 1e6],
+            make: |r, s| {
+                let c = bent(r, 0.3).map(|p| p * s);
+                (patch(c), aimed(r, c, 3.0 * s))
+            },
+        },
+        Family {
+            name: "direction length",
+            why: "t counts in directions",
+            curve: None,
+            levels: &[3.0, 30.0],
+            make: |r, l| {
+                let (p, ray) = shown(r, |r| bent(r, 0.3));
+                (p, with_length(ray, 10f64.powf(r.range(-l, l))))
+            },
+        },
+        Family {
+            name: "denormal direction",
+            why: "its square underflows",
+            curve: None,
+            levels: &[1.0],
+            make: denormal,
+        },
+        Family {
+            name: "mixed exponents",
+            why: "no scale is preferred",
+            curve: None,
+            levels: &[1.0],
+            make: mixed,
+        },
     ];
 }
 

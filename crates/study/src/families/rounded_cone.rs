@@ -4,58 +4,185 @@ use glam::DVec3;
 use rotund_geometry::{Ray, RoundedCone};
 
 use super::{Curve, Families, Family, toward, with_interval, with_length};
-use crate::accuracy::random::Random;
+use crate::random::Random;
 
 impl Families for RoundedCone {
-    #[rustfmt::skip]
     const FAMILIES: &'static [Family<Self>] = &[
-        Family { name: "distance", why: "squares of the distance cancel", curve: Some(Curve::Distance),
-            levels: &[4.0, 4e1, 4e2, 4e3, 4e4, 4e5, 4e6, 4e7], make: |r, d| { let b = usual(r); (b.shape(), aimed(r, &b, d)) } },
-        Family { name: "equal radii", why: "a cylinder has no apex", curve: None, levels: &[1.0],
-            make: |r, _| of_radii(r, 3.0, 0.7, 0.7, 4.0) },
-        Family { name: "nearly equal radii", why: "the apex is far away", curve: None,
-            levels: &[1e-2, 1e-4, 1e-6, 1e-7], make: |r, gap| of_radii(r, 3.0, 0.7, 0.7 * (1.0 - gap), 4.0) },
-        Family { name: "contained", why: "one ball holds the other", curve: None, levels: &[1.0],
-            make: |r, _| of_radii(r, 0.4, 1.0, 0.5, 4.0) },
-        Family { name: "nearly contained", why: "the body is a sliver", curve: None,
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| of_radii(r, 0.5 * (1.0 + gap), 1.0, 0.5, 4.0) },
-        Family { name: "coincident ends", why: "there is no axis", curve: None, levels: &[1.0],
-            make: |r, _| { let r1 = if r.sign() > 0.0 { 1.0 } else { 0.5 }; of_radii(r, 0.0, 1.0, r1, 4.0) } },
-        Family { name: "long and thin", why: "radius and length differ", curve: None,
-            levels: &[1e3, 1e4, 1e5], make: |r, l| of_radii(r, l * 0.01, 0.01, 0.005, l * 0.01) },
-        Family { name: "short", why: "the balls nearly coincide", curve: None,
-            levels: &[1e-1, 1e-3, 1e-5], make: |r, l| of_radii(r, l, 1.0, 1.0 - 0.5 * l, 4.0) },
-        Family { name: "pointed", why: "one radius is zero", curve: None, levels: &[1.0],
-            make: |r, _| of_radii(r, 3.0, 1.0, 0.0, 4.0) },
-        Family { name: "parallel to the axis", why: "no quadratic part, or little", curve: None,
-            levels: &[0.0, 1e-5, 1e-3], make: parallel },
-        Family { name: "along a generator", why: "the quadratic part vanishes", curve: None,
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], make: generator },
-        Family { name: "grazing", why: "the discriminant is nearly zero", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| grazing(r, gap, 10.0) },
-        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
-            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
-        Family { name: "inside", why: "only the last crossing counts", curve: None, levels: &[1.0],
-            make: inside },
-        Family { name: "on the surface", why: "t_min = 1e-4 hides the near crossing", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 1e-4) },
-        Family { name: "on the surface, t_min 0", why: "rounding decides the side", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 0.0) },
+        Family {
+            name: "distance",
+            why: "squares of the distance cancel",
+            curve: Some(Curve::Distance),
+            levels: &[4.0, 4e1, 4e2, 4e3, 4e4, 4e5, 4e6, 4e7],
+            make: |r, d| {
+                let b = usual(r);
+                (b.shape(), aimed(r, &b, d))
+            },
+        },
+        Family {
+            name: "equal radii",
+            why: "a cylinder has no apex",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| of_radii(r, 3.0, 0.7, 0.7, 4.0),
+        },
+        Family {
+            name: "nearly equal radii",
+            why: "the apex is far away",
+            curve: None,
+            levels: &[1e-2, 1e-4, 1e-6, 1e-7],
+            make: |r, gap| of_radii(r, 3.0, 0.7, 0.7 * (1.0 - gap), 4.0),
+        },
+        Family {
+            name: "contained",
+            why: "one ball holds the other",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| of_radii(r, 0.4, 1.0, 0.5, 4.0),
+        },
+        Family {
+            name: "nearly contained",
+            why: "the body is a sliver",
+            curve: None,
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, gap| of_radii(r, 0.5 * (1.0 + gap), 1.0, 0.5, 4.0),
+        },
+        Family {
+            name: "coincident ends",
+            why: "there is no axis",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let r1 = if r.sign() > 0.0 { 1.0 } else { 0.5 };
+                of_radii(r, 0.0, 1.0, r1, 4.0)
+            },
+        },
+        Family {
+            name: "long and thin",
+            why: "radius and length differ",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5],
+            make: |r, l| of_radii(r, l * 0.01, 0.01, 0.005, l * 0.01),
+        },
+        Family {
+            name: "short",
+            why: "the balls nearly coincide",
+            curve: None,
+            levels: &[1e-1, 1e-3, 1e-5],
+            make: |r, l| of_radii(r, l, 1.0, 1.0 - 0.5 * l, 4.0),
+        },
+        Family {
+            name: "pointed",
+            why: "one radius is zero",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| of_radii(r, 3.0, 1.0, 0.0, 4.0),
+        },
+        Family {
+            name: "parallel to the axis",
+            why: "no quadratic part, or little",
+            curve: None,
+            levels: &[0.0, 1e-5, 1e-3],
+            make: parallel,
+        },
+        Family {
+            name: "along a generator",
+            why: "the quadratic part vanishes",
+            curve: None,
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            make: generator,
+        },
+        Family {
+            name: "grazing",
+            why: "the discriminant is nearly zero",
+            curve: Some(Curve::Grazing),
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, gap| grazing(r, gap, 10.0),
+        },
+        Family {
+            name: "far and grazing",
+            why: "distance takes the digits that grazing needs",
+            curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7],
+            make: |r, d| {
+                let gap = 10f64.powf(r.range(-7.0, -1.0));
+                grazing(r, gap, d)
+            },
+        },
+        Family {
+            name: "inside",
+            why: "only the last crossing counts",
+            curve: None,
+            levels: &[1.0],
+            make: inside,
+        },
+        Family {
+            name: "on the surface",
+            why: "t_min = 1e-4 hides the near crossing",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 1e-4),
+        },
+        Family {
+            name: "on the surface, t_min 0",
+            why: "rounding decides the side",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 0.0),
+        },
         Family { name: "seam", why: "body and cap meet", curve: None, levels: &[1.0], make: seam },
-        Family { name: "in front of a cap", why: "inside of the infinite cone", curve: None,
-            levels: &[1.0], make: in_front },
-        Family { name: "world offset", why: "coordinates have few digits left", curve: None,
-            levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
-        Family { name: "scale", why: "an absolute epsilon shows", curve: None,
-            levels: &[1e-6, 1e-3, 1e3, 1e6], make: |r, s| of_radii(r, 3.0 * s, s, 0.5 * s, 4.0 * s) },
-        Family { name: "direction length", why: "t counts in directions", curve: None,
-            levels: &[3.0, 30.0], make: lengths },
-        Family { name: "denormal direction", why: "its square underflows", curve: None, levels: &[1.0],
-            make: denormal },
-        Family { name: "interval", why: "its ends lie about the crossings", curve: None, levels: &[1.0],
-            make: |r, _| { let b = usual(r); let ray = aimed(r, &b, 4.0); (b.shape(), with_interval(r, &b.shape(), ray)) } },
-        Family { name: "mixed exponents", why: "no scale is preferred", curve: None, levels: &[1.0],
-            make: mixed },
+        Family {
+            name: "in front of a cap",
+            why: "inside of the infinite cone",
+            curve: None,
+            levels: &[1.0],
+            make: in_front,
+        },
+        Family {
+            name: "world offset",
+            why: "coordinates have few digits left",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5, 1e6],
+            make: offset,
+        },
+        Family {
+            name: "scale",
+            why: "an absolute epsilon shows",
+            curve: None,
+            levels: &[1e-6, 1e-3, 1e3, 1e6],
+            make: |r, s| of_radii(r, 3.0 * s, s, 0.5 * s, 4.0 * s),
+        },
+        Family {
+            name: "direction length",
+            why: "t counts in directions",
+            curve: None,
+            levels: &[3.0, 30.0],
+            make: lengths,
+        },
+        Family {
+            name: "denormal direction",
+            why: "its square underflows",
+            curve: None,
+            levels: &[1.0],
+            make: denormal,
+        },
+        Family {
+            name: "interval",
+            why: "its ends lie about the crossings",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let b = usual(r);
+                let ray = aimed(r, &b, 4.0);
+                (b.shape(), with_interval(r, &b.shape(), ray))
+            },
+        },
+        Family {
+            name: "mixed exponents",
+            why: "no scale is preferred",
+            curve: None,
+            levels: &[1.0],
+            make: mixed,
+        },
     ];
 }
 
@@ -238,7 +365,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accuracy::truth::Truth;
+    use crate::truth::Truth;
 
     #[test]
     fn rays_in_front_of_a_cap_start_outside() {

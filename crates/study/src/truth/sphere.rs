@@ -4,7 +4,7 @@ use glam::Vec3;
 use rotund_geometry::Sphere;
 
 use super::{Crossing, Exact};
-use crate::accuracy::wide::{Wide, Wide3};
+use crate::wide::{Wide, Wide3};
 
 impl Exact for Sphere {
     const NAME: &'static str = "sphere";
@@ -78,7 +78,7 @@ mod tests {
     use rotund_geometry::Ray;
 
     use super::*;
-    use crate::accuracy::truth::{Truth, tests::every_crossing_lies_on_the_surface};
+    use crate::truth::{Truth, tests::every_crossing_lies_on_the_surface};
 
     #[test]
     fn every_crossing_of_every_family_lies_on_the_sphere() {
