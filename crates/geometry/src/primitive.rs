@@ -138,41 +138,44 @@ pub trait Primitive {
     fn normal(&self, uv: Vec2) -> Vec3;
 }
 
+// The forwarders are always inlined, so that callers that are compiled for an instruction set, as
+// the trees of `rotund-bvh`, inline the intersection itself and not a call to a copy without that
+// set.
 macro_rules! forward {
     ($([$($generic:tt)*] $type:ty => $shape:ty,)+) => {
         $(
             impl $($generic)* Primitive for $type {
-                #[inline]
+                #[inline(always)]
                 fn bounds(&self) -> Aabb {
                     <$shape>::bounds(self)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn closest(&self, ray: &Ray) -> Option<Hit> {
                     <$shape>::closest(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn closest_t(&self, ray: &Ray) -> Option<f32> {
                     <$shape>::closest_t(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn any(&self, ray: &Ray) -> bool {
                     <$shape>::any(self, ray)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn uv(&self, hit: &Hit) -> Vec2 {
                     <$shape>::uv(self, hit)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn position(&self, uv: Vec2) -> Vec3 {
                     <$shape>::position(self, uv)
                 }
 
-                #[inline]
+                #[inline(always)]
                 fn normal(&self, uv: Vec2) -> Vec3 {
                     <$shape>::normal(self, uv)
                 }

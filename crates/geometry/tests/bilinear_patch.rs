@@ -3,9 +3,9 @@
 
 mod support;
 
-use rotund_geometry::glam::{DVec3, Vec2, Vec3};
+use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::{BilinearPatch, Ray};
-use support::{Random, Wide, Wide3, at, degrees, dot, local_unit, minus, ray, wide};
+use support::{Random, Wide, Wide3, at, degrees, local_unit, ray, wide};
 
 const SADDLE: BilinearPatch = BilinearPatch {
     p00: Vec3::new(-1.0, -1.0, -0.5),
@@ -21,19 +21,15 @@ const SQUARE: BilinearPatch = BilinearPatch {
 };
 
 fn lerp(a: Wide3, b: Wide3, s: Wide) -> Wide3 {
-    [0, 1, 2].map(|i| a[i] + s * (b[i] - a[i]))
+    a + (b - a) * s
 }
 
 /// Returns the exact point, and its derivatives by `u` and `v`.
 fn surface(patch: &BilinearPatch, u: Wide, v: Wide) -> [Wide3; 3] {
     let [p00, p10, p01, p11] = [patch.p00, patch.p10, patch.p01, patch.p11].map(wide);
     let (low, high) = (lerp(p00, p10, u), lerp(p01, p11, u));
-    let du = lerp(minus(p10, p00), minus(p11, p01), v);
-    [lerp(low, high, v), du, minus(high, low)]
-}
-
-fn narrow(a: Wide3) -> DVec3 {
-    a.map(|x| x.0).into()
+    let du = lerp(p10 - p00, p11 - p01, v);
+    [lerp(low, high, v), du, high - low]
 }
 
 fn size(patch: &BilinearPatch) -> f32 {
@@ -53,8 +49,8 @@ fn exact_root(
     let mut t = Wide::from(t);
     for _ in 0..40 {
         let [p, du, dv] = surface(patch, u, v);
-        let rest = narrow(minus(at(ray, t), p));
-        let (du, dv, d) = (narrow(du), narrow(dv), ray.direction.as_dvec3());
+        let rest = (at(ray, t) - p).to_f64();
+        let (du, dv, d) = (du.to_f64(), dv.to_f64(), ray.direction.as_dvec3());
         let n = du.cross(dv);
         let step_t = -rest.dot(n) / d.dot(n);
         let rest = rest + step_t * d;
@@ -87,13 +83,13 @@ fn check(patch: &BilinearPatch, ray: &Ray) -> bool {
     };
     // At a fold Newton's method may converge to the other root, which the position shows.
     let [p, du, dv] = surface(patch, u, v);
-    let away = narrow(minus(p, wide(hit.position)));
+    let away = (p - wide(hit.position)).to_f64();
     if away.length() > 1e-3 * f64::from(size(patch)) {
         return true;
     }
-    let error = (t.0 - f64::from(hit.t)).abs() / (t.0.abs() * 2.0_f64.powi(-24));
+    let error = (t.to_f64() - f64::from(hit.t)).abs() / (t.to_f64().abs() * 2.0_f64.powi(-24));
     assert!(error <= 1.001, "t is {error} u off: {patch:?} {ray:?} {hit:?}");
-    let n = narrow(du).cross(narrow(dv));
+    let n = du.to_f64().cross(dv.to_f64());
     let off = away.dot(n).abs() / n.length();
     assert!(off <= 1.1 * unit, "{} u off: {patch:?} {ray:?}", off / unit);
     assert!(off <= f64::from(hit.error), "{off} beyond {}: {patch:?} {ray:?}", hit.error);
@@ -183,10 +179,9 @@ fn a_planted_point_is_hit_or_something_nearer_is() {
             for _ in 0..800 {
                 let patch = patch(&mut random, h, 1.0);
                 let uv = [random.range(0.01, 0.99), random.range(0.01, 0.99)].map(Wide::from);
-                let target = narrow(surface(&patch, uv[0], uv[1])[0]);
+                let [target, du, dv] = surface(&patch, uv[0], uv[1]).map(Wide3::to_f64);
                 let d = random.direction();
-                let n = narrow(surface(&patch, uv[0], uv[1])[1])
-                    .cross(narrow(surface(&patch, uv[0], uv[1])[2]));
+                let n = du.cross(dv);
                 let ray = ray(target - distance * d, d);
                 // The rounding of the ray can move it past an edge only if it grazes.
                 let steep = d.dot(n).abs() / n.length() > 2e-6 * distance + 0.05;
@@ -282,7 +277,7 @@ fn the_position_of_a_hit_lies_on_the_ray_within_rounding() {
         let d = random.direction();
         let ray = ray(patch.position(Vec2::splat(0.4)).as_dvec3() - 3.0 * d, d);
         let Some(hit) = patch.closest(&ray) else { continue };
-        let off = minus(at(&ray, Wide::from(hit.t)), wide(hit.position));
-        assert!(dot(off, off).sqrt().0 < 1e-6, "{patch:?} {ray:?} {hit:?}");
+        let off = at(&ray, Wide::from(hit.t)) - wide(hit.position);
+        assert!(off.length().to_f64() < 1e-6, "{patch:?} {ray:?} {hit:?}");
     }
 }

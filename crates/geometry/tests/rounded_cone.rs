@@ -4,7 +4,7 @@ mod support;
 
 use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, RoundedCone, Sphere, UNIT_ROUNDOFF};
-use support::{Random, Wide, Wide3, at, dot, local_unit, minus, ray, rounding_interval, wide};
+use support::{Random, Wide, Wide3, at, local_unit, ray, rounding_interval, wide};
 
 const FAT: RoundedCone =
     RoundedCone { p0: Vec3::ZERO, r0: 1.0, p1: Vec3::new(0.0, 0.0, 3.0), r1: 0.5 };
@@ -15,29 +15,28 @@ const FAT: RoundedCone =
 /// The minimiser is computed in `f64`. Near a minimum the value depends on the square of the error
 /// of `s`, so it has the digits of [`Wide`].
 fn distance(cone: &RoundedCone, x: Wide3) -> Wide {
-    let (p0, e) = (wide(cone.p0), minus(wide(cone.p1), wide(cone.p0)));
+    let (p0, e) = (wide(cone.p0), wide(cone.p1) - wide(cone.p0));
     let (r0, r1) = (Wide::from(cone.r0), Wide::from(cone.r1));
-    let x = minus(x, p0);
+    let x = x - p0;
     let value = |s: f64| {
         let s = Wide::from(s);
-        let center = e.map(|e| s * e);
-        let from = minus(x, center);
-        dot(from, from).sqrt() - (r0 + s * (r1 - r0))
+        let from = x - e * s;
+        from.length() - (r0 + s * (r1 - r0))
     };
     // The zero of the derivative: the foot of x on the axis, shifted along it by the slope of the
     // cone.
-    let (length2, rho) = (dot(e, e), r0 - r1);
+    let (length2, rho) = (e.dot(e), r0 - r1);
     let d2 = length2 - rho * rho;
     let ends = if value(0.0) < value(1.0) { value(0.0) } else { value(1.0) };
-    if d2.0 <= 0.0 {
+    if d2 <= Wide::ZERO {
         return ends;
     }
-    let along = dot(x, e);
-    let radial2 = dot(x, x) - (along * along).over(length2);
-    let radial = if radial2.0 > 0.0 { radial2.sqrt() } else { Wide::from(0.0) };
-    let s = (along - (radial * rho * length2.sqrt()).over(d2.sqrt())).over(length2);
+    let along = x.dot(e);
+    let radial2 = x.dot(x) - along * along / length2;
+    let radial = radial2.sqrt();
+    let s = (along - radial * rho * length2.sqrt() / d2.sqrt()) / length2;
     // The minimum over this s and both ends is correct whatever the rounding of s.
-    let s = s.0.clamp(0.0, 1.0);
+    let s = s.to_f64().clamp(0.0, 1.0);
     let inner = value(s);
     if inner < ends { inner } else { ends }
 }
@@ -66,12 +65,12 @@ fn check(cone: &RoundedCone, ray: &Ray) -> bool {
     let far = 4.0 * f64::from(size + ray.origin.distance(cone.p0)) / length;
     let Some(hit) = hit else {
         let t = deepest(cone, ray, 0.0, far);
-        let depth = at_t(cone, ray, t.into()).0;
+        let depth = at_t(cone, ray, t.into()).to_f64();
         assert!(depth > -1e-13 * f64::from(size), "missed {depth} deep: {cone:?} {ray:?}");
         return false;
     };
-    let starts_inside = at_t(cone, ray, Wide::from(0.0)).0 < 0.0;
-    let [before, after] = rounding_interval(hit.t).map(|t| at_t(cone, ray, t).0);
+    let starts_inside = at_t(cone, ray, Wide::ZERO) < Wide::ZERO;
+    let [before, after] = rounding_interval(hit.t).map(|t| at_t(cone, ray, t).to_f64());
     // If the chord is shorter than the rounding of t, both ends of the interval are outside.
     let crosses = if starts_inside {
         before <= 0.0 && after >= 0.0
@@ -79,13 +78,13 @@ fn check(cone: &RoundedCone, ray: &Ray) -> bool {
         before >= 0.0
             && (after <= 0.0 || {
                 let [low, high] = rounding_interval(hit.t);
-                let t = deepest(cone, ray, low.0, high.0);
-                at_t(cone, ray, t.into()).0 <= 1e-13 * f64::from(size)
+                let t = deepest(cone, ray, low.to_f64(), high.to_f64());
+                at_t(cone, ray, t.into()).to_f64() <= 1e-13 * f64::from(size)
             })
     };
     assert!(crosses, "{before} to {after} is no crossing: {cone:?} {ray:?} {hit:?}");
 
-    let off = distance(cone, wide(hit.position)).0.abs();
+    let off = distance(cone, wide(hit.position)).to_f64().abs();
     let unit = local_unit(hit.position, size);
     assert!(off <= 1.1 * unit, "{} u off: {cone:?} {ray:?}", off / unit);
     assert!(off <= f64::from(hit.error), "{off} beyond {}: {cone:?} {ray:?}", hit.error);
@@ -97,7 +96,7 @@ fn check(cone: &RoundedCone, ray: &Ray) -> bool {
     let uv = cone.uv(&hit);
     assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all(), "{uv}");
     let rebuilt = cone.position(uv);
-    let off = distance(cone, wide(rebuilt)).0.abs() / local_unit(rebuilt, size);
+    let off = distance(cone, wide(rebuilt)).to_f64().abs() / local_unit(rebuilt, size);
     assert!(off <= 1.1, "rebuilt {off} u off: {cone:?} {uv}");
     let off = f64::from(rebuilt.distance(hit.position)) / unit;
     assert!(off <= 8.0, "rebuilt {off} u away: {cone:?} {ray:?} {uv}");

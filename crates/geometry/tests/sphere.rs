@@ -2,30 +2,30 @@
 
 mod support;
 
-use rotund_geometry::glam::{DVec3, Vec2, Vec3};
+use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, Sphere};
-use support::{Random, Wide, at, degrees, dot, local_unit, minus, ray, rounding_interval, wide};
+use support::{Random, Wide, at, degrees, local_unit, ray, rounding_interval, wide};
 
 const BALL: Sphere = Sphere { center: Vec3::ZERO, radius: 1.0 };
 
 /// Returns `|x - c|² - r²` at `t`, which is positive outside.
 fn side(sphere: &Sphere, ray: &Ray, t: Wide) -> Wide {
-    let x = minus(at(ray, t), wide(sphere.center));
-    dot(x, x) - Wide::from(sphere.radius) * Wide::from(sphere.radius)
+    let x = at(ray, t) - wide(sphere.center);
+    x.dot(x) - Wide::from(sphere.radius) * Wide::from(sphere.radius)
 }
 
 /// Returns the `t` of the point of the line that is closest to the center.
 fn closest_approach(sphere: &Sphere, ray: &Ray) -> Wide {
     let d = wide(ray.direction);
-    dot(minus(wide(sphere.center), wide(ray.origin)), d).over(dot(d, d))
+    (wide(sphere.center) - wide(ray.origin)).dot(d) / d.dot(d)
 }
 
 /// Checks all that is documented for one ray with `t_min` 0, and returns whether it hits.
 fn check(sphere: &Sphere, ray: &Ray) -> bool {
     let middle = closest_approach(sphere, ray);
-    let passes = side(sphere, ray, middle).0 > 0.0;
-    let starts_inside = side(sphere, ray, Wide::from(0.0)).0 < 0.0;
-    let expected = !passes && (starts_inside || middle.0 > 0.0);
+    let passes = side(sphere, ray, middle) > Wide::ZERO;
+    let starts_inside = side(sphere, ray, Wide::ZERO) < Wide::ZERO;
+    let expected = !passes && (starts_inside || middle > Wide::ZERO);
     let hit = sphere.closest(ray);
     assert_eq!(hit.is_some(), expected, "{sphere:?} {ray:?}");
     assert_eq!(sphere.any(ray), expected, "{sphere:?} {ray:?}");
@@ -33,7 +33,7 @@ fn check(sphere: &Sphere, ray: &Ray) -> bool {
     let Some(hit) = hit else { return false };
 
     let d = wide(ray.direction);
-    let half_chord = (-side(sphere, ray, middle)).over(dot(d, d)).sqrt();
+    let half_chord = (-side(sphere, ray, middle) / d.dot(d)).sqrt();
     let t = if starts_inside { middle + half_chord } else { middle - half_chord };
     let [low, high] = rounding_interval(hit.t);
     assert!(low <= t && t <= high, "t is not the rounded root: {sphere:?} {ray:?} {hit:?}");
@@ -43,8 +43,8 @@ fn check(sphere: &Sphere, ray: &Ray) -> bool {
     assert!(off <= 1.0 * local_unit(hit.position, sphere.radius), "{off}: {sphere:?} {ray:?}");
     assert!(off <= f64::from(hit.error), "{off} beyond {}: {sphere:?} {ray:?}", hit.error);
 
-    let x = minus(at(ray, t), wide(sphere.center)).map(|x| x.0);
-    let off = degrees(hit.normal, DVec3::from_array(x));
+    let from_center = (at(ray, t) - wide(sphere.center)).to_f64();
+    let off = degrees(hit.normal, from_center);
     assert!(off <= 5e-6, "normal off by {off} degrees: {sphere:?} {ray:?}");
     assert!((hit.normal.length() - 1.0).abs() < 2e-7, "{hit:?}");
 

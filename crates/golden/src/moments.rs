@@ -1,125 +1,41 @@
-//! What a picture is, if it is a random variable: a mean and a variance for each pixel.
+//! Statistics of a picture: the mean and the variance of each pixel.
 
-use crate::surface::{Probe, Surface};
-use glam::{DVec3, Vec2};
-use rotund_bvh::Isa;
+use glam::DVec3;
 use rotund_image::Image;
-use rotund_scene::{Scene, SceneError, Trees};
-use rotund_trace::{Lights, Options, RenderError, Sequence, World};
 
-/// A scene that is ready to be looked at through its first camera.
-#[derive(Debug)]
-pub struct Subject {
-    pub scene: Scene,
-    trees: Trees,
-    lights: Lights,
-}
-
-impl Subject {
-    /// Builds what rays need, to be walked with these instructions.
-    ///
-    /// # Errors
-    ///
-    /// If the scene is not valid.
-    pub fn new(scene: Scene, isa: Isa) -> Result<Self, SceneError> {
-        let trees = Trees::build(&scene)?.with_isa(isa);
-        let lights = Lights::build(&scene)?;
-        Ok(Self { scene, trees, lights })
-    }
-
-    /// What there is to be seen, without light.
-    ///
-    /// # Panics
-    ///
-    /// If the scene has no camera.
-    pub fn surface(&self, width: u32, height: u32) -> Surface {
-        Surface::measure(width as usize, height as usize, |uv, ray| self.probe(uv, ray))
-    }
-
-    /// What one ray meets; see [`Probe::new`].
-    pub fn probe(&self, image_uv: Vec2, ray: usize) -> Probe {
-        Probe::new(&self.scene, &self.trees, &self.scene.cameras[0], image_uv, ray)
-    }
-}
-
-/// How a picture is measured: as many small renders that differ in nothing but their seed. They are
-/// independent of each other even where the samples of one render are not, so their spread says how
-/// well their mean is known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Segments of the longest path.
-    pub bounces: u32,
-    /// Samples per pixel of one replica.
-    pub samples: u32,
-    /// Where random numbers come from.
-    pub sequence: Sequence,
-}
-
-/// Statistics of the replicas of a picture, in linear RGB.
+/// Mean and variance of the replicas of a picture, in linear RGB.
+///
+/// A picture is rendered as many small replicas that differ in their seed alone. They are
+/// independent of each other, even where the samples of one render are not, so their spread tells
+/// the error of their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
-    /// Pixels in a row.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// How many renders there were.
+    /// Number of replicas.
     pub replicas: u32,
     /// Mean over the replicas, row by row.
     pub mean: Vec<DVec3>,
-    /// Variance of one replica about the mean of all, estimated without bias.
+    /// Unbiased estimate of the variance of one replica.
     pub variance: Vec<DVec3>,
-    /// Samples that were no radiance.
+    /// Number of samples that were negative, infinite or NaN.
     pub rejected: u64,
 }
 
 impl Moments {
-    /// Renders `replicas` pictures. Another `seed` gives others, independent of these.
-    ///
-    /// # Errors
-    ///
-    /// If the plan has no pixels, samples or bounces, or the scene no camera.
-    pub fn measure(
-        subject: &Subject,
-        plan: &Plan,
-        replicas: u32,
-        seed: u32,
-    ) -> Result<Self, RenderError> {
-        let world = World::from_parts(&subject.scene, &subject.trees, &subject.lights)?;
-        let mut moments = Self::empty(plan.width as usize, plan.height as usize);
-        for replica in 0..replicas {
-            let options = Options {
-                width: plan.width,
-                height: plan.height,
-                samples: plan.samples,
-                bounces: plan.bounces,
-                seed: u64::from(seed) << 32 | u64::from(replica),
-                sequence: plan.sequence,
-                // The surfaces of the same picture are probed where they are.
-                recenter: false,
-                ..Options::default()
-            };
-            let film = world.render(0, &options)?;
-            moments.rejected += film.rejected();
-            let pixels = film.image().pixels.into_iter();
-            moments.push(pixels.map(|[r, g, b, _]| DVec3::new(r.into(), g.into(), b.into())));
-        }
-        Ok(moments.finish())
-    }
-
-    fn empty(width: usize, height: usize) -> Self {
+    /// Returns the statistics of no replica.
+    pub(crate) fn empty(width: usize, height: usize) -> Self {
         let zeros = vec![DVec3::ZERO; width * height];
         Self { width, height, replicas: 0, mean: zeros.clone(), variance: zeros, rejected: 0 }
     }
 
-    /// Adds a replica; until [`Self::finish`], `variance` holds sums of squares.
+    /// Adds a replica. Until [`Self::finish`], `variance` holds sums of squares.
     ///
-    /// Source: B. Welford, "Note on a method for calculating corrected sums of squares and products",
-    /// Technometrics 4(3), 1962.
-    fn push(&mut self, pixels: impl Iterator<Item = DVec3>) {
+    /// Source: B. Welford, "Note on a method for calculating corrected sums of squares and
+    /// products", Technometrics 4(3), 1962.
+    pub(crate) fn push(&mut self, pixels: impl Iterator<Item = DVec3>) {
         self.replicas += 1;
         let count = f64::from(self.replicas);
         for ((mean, squares), x) in self.mean.iter_mut().zip(&mut self.variance).zip(pixels) {
@@ -129,13 +45,15 @@ impl Moments {
         }
     }
 
-    fn finish(mut self) -> Self {
+    /// Turns sums of squares into variances.
+    pub(crate) fn finish(mut self) -> Self {
         let freedom = f64::from(self.replicas.saturating_sub(1).max(1));
         self.variance.iter_mut().for_each(|squares| *squares /= freedom);
         self
     }
 
-    /// The mean as a picture.
+    /// Returns the mean as an image.
+    #[must_use]
     pub fn picture(&self) -> Image {
         let pixels = self.mean.iter().map(|mean| mean.as_vec3().extend(1.0).to_array()).collect();
         Image { width: self.width as u32, height: self.height as u32, pixels }

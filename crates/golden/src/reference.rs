@@ -1,32 +1,33 @@
 //! A reference picture as a file: an EXR that any viewer shows.
 //!
-//! Channels `R`, `G`, `B` hold the mean, `deviation.R`, `.G`, `.B` the standard deviation of one
-//! replica. Digits below the noise are not stored, so a reference takes a third of the room: the mean
-//! is rounded to a quarter of its own standard error, or less, and the deviation up to five bits.
-//! Channels `surface.*` hold what is known without noise: see [`crate::surface`].
+//! Channels `R`, `G`, `B` hold the mean, and `deviation.R`, `.G`, `.B` the standard deviation of
+//! one replica. Digits below the noise are not stored, so that a reference takes a third of the
+//! space: the mean is rounded to a quarter of its own standard error or finer, and the deviation up
+//! to five bits. Channels `surface.*` hold the surfaces, which have no noise: see
+//! [`crate::surface`].
 
+use crate::error::GoldenError;
 use crate::moments::Moments;
 use crate::surface::{CHANNELS as SURFACE_CHANNELS, Surface};
-use anyhow::{Context, Result, bail, ensure};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
     Layer, LayerAttributes, LineOrder, ReadChannels as _, ReadLayers as _, Text,
     WritableImage as _,
 };
 use glam::DVec3;
-use rotund_trace::output;
+use rotund_image::write_with;
 use std::path::Path;
 
 /// A stored picture, and how it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// Rounded as the file is.
+    /// Mean and variance, rounded as in the file.
     pub moments: Moments,
-    /// What is to be seen, without light.
+    /// What the camera sees without light.
     pub surface: Surface,
     /// Samples per pixel of one replica.
     pub samples: u32,
-    /// Segments of the longest path.
+    /// Largest number of segments of a path.
     pub bounces: u32,
 }
 
@@ -37,34 +38,43 @@ const BOUNCES: &str = "rotundBounces";
 
 impl Reference {
     /// Reads a file that [`Self::write`] made.
-    pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(path).with_context(|| format!("{} is not a reference picture", path.display()))
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or is not a reference.
+    pub fn read(path: &Path) -> Result<Self, GoldenError> {
+        Self::parse(path).map_err(|problem| GoldenError::Reference { path: path.into(), problem })
     }
 
-    fn parse(path: &Path) -> Result<Self> {
+    fn parse(path: &Path) -> Result<Self, String> {
         let image = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
             .all_channels()
             .first_valid_layer()
             .all_attributes()
-            .from_file(path)?;
+            .from_file(path)
+            .map_err(|error| error.to_string())?;
         let layer = &image.layer_data;
         let (width, height) = (layer.size.width(), layer.size.height());
         let number = |name: &str| match layer.attributes.other.get(&Text::from(name)) {
             Some(&AttributeValue::I32(number)) if number > 0 => Ok(number as u32),
-            _ => bail!("it lacks a positive number {name}"),
+            _ => Err(format!("it lacks a positive number {name}")),
         };
-        let plane = |name: &str| -> Result<Vec<f32>> {
+        let plane = |name: &str| -> Result<Vec<f32>, String> {
             let named = |channel: &&AnyChannel<FlatSamples>| channel.name.eq(name);
             let channel = layer.channel_data.list.iter().find(named);
-            let channel = channel.with_context(|| format!("it lacks the channel {name}"))?;
+            let channel = channel.ok_or_else(|| format!("it lacks the channel {name}"))?;
             let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
-            ensure!(values.len() == width * height, "channel {name} has another size");
-            ensure!(values.iter().all(|x| x.is_finite()), "channel {name} is not finite");
+            if values.len() != width * height {
+                return Err(format!("channel {name} has another size"));
+            }
+            if !values.iter().all(|x| x.is_finite()) {
+                return Err(format!("channel {name} is not finite"));
+            }
             Ok(values)
         };
-        let planes = |prefix: &str| -> Result<Vec<DVec3>> {
+        let planes = |prefix: &str| -> Result<Vec<DVec3>, String> {
             let [r, g, b] = CHANNELS.map(|channel| plane(&format!("{prefix}{channel}")));
             let (r, g, b) = (r?, g?, b?);
             let pixel = |i: usize| DVec3::new(r[i].into(), g[i].into(), b[i].into());
@@ -74,14 +84,18 @@ impl Reference {
         let variance = deviation.into_iter().map(|d| d * d).collect();
         let replicas = number(REPLICAS)?;
         let moments = Moments { width, height, replicas, mean, variance, rejected: 0 };
-        let planes: Result<Vec<_>> =
+        let planes: Result<Vec<_>, String> =
             SURFACE_CHANNELS.iter().map(|channel| plane(channel.name)).collect();
         let surface = Surface { width, height, planes: planes? };
         Ok(Self { moments, surface, samples: number(SAMPLES)?, bounces: number(BOUNCES)? })
     }
 
-    /// Writes the file: to another name first, renamed when complete.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    /// Writes the file, which appears under its name when it is complete.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), GoldenError> {
         let Moments { width, height, replicas, mean, variance, .. } = &self.moments;
         let mut channels = Vec::new();
         for (index, name) in CHANNELS.into_iter().enumerate() {
@@ -100,7 +114,7 @@ impl Reference {
         for (name, number) in
             [(REPLICAS, *replicas), (SAMPLES, self.samples), (BOUNCES, self.bounces)]
         {
-            let number = AttributeValue::I32(number.try_into()?);
+            let number = AttributeValue::I32(i32::try_from(number).unwrap_or(i32::MAX));
             attributes.other.insert(Text::from(name), number);
         }
         let encoding = Encoding {
@@ -111,7 +125,7 @@ impl Reference {
         let channels = AnyChannels::sort(channels.into_iter().collect());
         let layer = Layer::new((*width, *height), attributes, encoding, channels);
         let image = Image::from_layer(layer);
-        output::write_with(path, |file| image.write().to_buffered(file))?;
+        write_with(path, |file| image.write().to_buffered(file))?;
         Ok(())
     }
 }
@@ -126,7 +140,7 @@ fn round_to_noise(x: f64, error: f64) -> f32 {
     ((x / step).round() * step) as f32
 }
 
-/// Rounds a number that is not negative up, so that no picture seems quieter than it was.
+/// Rounds a number that is not negative up, so that no picture seems less noisy than it was.
 fn round_up_to_five_bits(x: f64) -> f32 {
     if x < 1e-30 {
         return 0.0;
@@ -138,7 +152,7 @@ fn round_up_to_five_bits(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::Probe;
+    use crate::probe::Probe;
     use glam::Vec2;
 
     #[test]
@@ -168,12 +182,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_reference_is_refused_by_name() {
+    fn a_file_that_is_not_a_reference_is_refused_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.exr");
-        let image = rotund_trace::Image { width: 1, height: 1, pixels: vec![[0.5; 4]] };
+        let image = rotund_image::Image { width: 1, height: 1, pixels: vec![[0.5; 4]] };
         image.write(&path).unwrap();
-        let error = format!("{:#}", Reference::read(&path).unwrap_err());
+        let error = Reference::read(&path).unwrap_err().to_string();
         assert!(error.contains("picture.exr is not a reference"), "{error}");
         std::fs::write(&path, b"no picture at all").unwrap();
         assert!(Reference::read(&path).is_err());

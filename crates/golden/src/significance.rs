@@ -1,63 +1,67 @@
-//! How unlikely a difference is, if nothing but chance made it.
+//! The probability of a difference under the hypothesis that noise alone causes it.
 
 use crate::moments::Moments;
 use statrs::function::{beta::checked_beta_reg, erf::erfc_inv};
 
-/// How often a run over a whole set of pictures in which nothing changed fails all the same: once in
-/// a thousand runs. It is shared out evenly between the kinds of tests, and in each kind between all
-/// tests of all pictures (C. Bonferroni, "Teoria statistica delle classi e calcolo delle
-/// probabilità", 1936), so it is an upper bound, whatever the tests have to do with each other.
+/// Upper bound on the false-alarm rate: the probability that a run over a whole set of pictures
+/// fails although nothing changed.
+///
+/// The rate is divided evenly among the three kinds of t-tests (pixels, blocks, whole pictures),
+/// and within a kind among all tests of all pictures (C. Bonferroni, "Teoria statistica delle
+/// classi e calcolo delle probabilità", 1936). The bound holds however the tests depend on each
+/// other.
 pub const FALSE_ALARMS: f64 = 1e-3;
 
-/// Kinds of tests that have a false alarm rate.
+/// Number of kinds of t-tests.
 const KINDS: f64 = 3.0;
 
-/// The largest p-value that fails, for one of `tests` tests of one kind.
-pub fn level(tests: usize) -> f64 {
+/// Returns the largest p-value that fails, for one of `tests` tests of one kind.
+pub(crate) fn level(tests: usize) -> f64 {
     FALSE_ALARMS / KINDS / tests.max(1) as f64
 }
 
-/// The probability that Student's t with `freedom` degrees of freedom is at least this far from 0,
-/// to either side. Accurate far into the tails, for it is no difference from 1.
-pub fn p_value(t: f64, freedom: f64) -> f64 {
+/// Returns the probability that the absolute value of Student's t with `freedom` degrees of freedom
+/// is at least `|t|`. It is accurate far into the tails, because it is not computed as a difference
+/// from 1.
+pub(crate) fn p_value(t: f64, freedom: f64) -> f64 {
     if t.is_infinite() {
         return 0.0;
     }
     checked_beta_reg(0.5 * freedom, 0.5, freedom / (freedom + t * t)).unwrap_or(1.0)
 }
 
-/// How far a normal variable is from 0, to either side, with this probability.
-pub fn normal_quantile(p: f64) -> f64 {
+/// Returns the absolute value that a standard normal variable exceeds with probability `p`.
+pub(crate) fn normal_quantile(p: f64) -> f64 {
     std::f64::consts::SQRT_2 * erfc_inv(p)
 }
 
 /// The difference of the means of two pictures over some pixels, in one channel.
 #[derive(Clone, Copy, Debug)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Mean of the second picture.
-    pub expected: f64,
+    pub(crate) expected: f64,
     /// Mean of the first minus that of the second.
-    pub difference: f64,
+    pub(crate) difference: f64,
     /// Standard error of the difference.
-    pub error: f64,
-    /// Student's t; infinite if the difference has no error but is one.
-    pub t: f64,
-    /// Degrees of freedom, at least.
-    pub freedom: f64,
+    pub(crate) error: f64,
+    /// Student's t; infinite for a difference without a standard error.
+    pub(crate) t: f64,
+    /// Lower bound on the degrees of freedom.
+    pub(crate) freedom: f64,
 }
 
-/// Numbers may differ by this much, relatively, without being different: what is lost in half
-/// precision. Another instruction set, or a sum in another order, moves them by far less; an error
-/// of a tenth of a percent is four times as much.
+/// Relative difference that counts as none: the rounding error of half precision. Another
+/// instruction set or order of summation moves values by far less, and an error of a tenth of a
+/// percent is four times as much.
 const ROUNDING: f64 = 1.0 / 4096.0;
 
 /// Compares `actual` with `reference` on the pixels with these indices.
 ///
-/// Pixels are independent, so variances add. The variance of a replica is the larger of the two
-/// pictures': a picture that happened to miss what is rare is not taken for a quiet one, and a
-/// noisier sampler is not taken for an error. Degrees of freedom follow F. Satterthwaite, "An
-/// approximate distribution of estimates of variance components", Biometrics Bulletin 2(6), 1946.
-pub fn compare(
+/// Pixels are independent, so variances add. The variance of a replica is the larger one of the two
+/// pictures, so that a picture that happened to miss rare bright paths does not seem quiet, and a
+/// noisier sampler does not seem wrong. Degrees of freedom follow F. Satterthwaite, "An approximate
+/// distribution of estimates of variance components", Biometrics Bulletin 2(6), 1946.
+pub(crate) fn compare(
     actual: &Moments,
     reference: &Moments,
     pixels: impl Iterator<Item = usize>,
@@ -78,7 +82,7 @@ pub fn compare(
     let (expected, difference) = (expected / count, difference / count);
     let error = variance.sqrt() / count;
     let beyond_rounding = (difference.abs() - ROUNDING * expected.abs()).max(0.0);
-    // Not a number if it is 0 / 0, where there is nothing to tell apart.
+    // Avoids 0 / 0 where neither a difference nor an error exists.
     let t = if beyond_rounding > 0.0 { beyond_rounding / error } else { 0.0 };
     let terms = if squares > 0.0 { variance * variance / squares } else { 1.0 };
     Comparison { expected, difference, error, t, freedom: (ours - 1.0).max(1.0) * terms }

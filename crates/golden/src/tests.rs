@@ -1,12 +1,13 @@
-//! Faults are planted, one at a time, and each has to be caught under its own name; and what is no
-//! fault has to pass.
+//! Planted faults must be found by the check that is meant for them, and correct renders must pass.
 
-use crate::REPLICAS;
-use crate::cases::{self, Case};
-use crate::moments::{Moments, Plan, Subject};
+use crate::case::{Case, of_folder};
+use crate::check::{Check, Finding};
+use crate::moments::Moments;
 use crate::reference::Reference;
 use crate::significance::{compare, level, p_value};
-use crate::verdict::{Check, Verdict, judge};
+use crate::subject::{Plan, Subject};
+use crate::verdict::{Verdict, judge};
+use crate::{REPLICAS, Suite};
 use glam::{DVec3, Vec2};
 use rotund_bvh::Isa;
 use rotund_scene::Scene;
@@ -21,7 +22,7 @@ fn folder() -> PathBuf {
 }
 
 fn case(name: &str) -> Case {
-    let cases = cases::of_workspace(&folder()).unwrap();
+    let cases = of_folder(&folder()).unwrap();
     cases.into_iter().find(|case| case.name == name).expect("a picture of that name")
 }
 
@@ -29,22 +30,22 @@ fn reference(name: &str) -> Reference {
     Reference::read(&case(name).reference).unwrap()
 }
 
-/// Renders a picture of a scene that was tampered with.
+/// Renders a picture of a modified scene.
 fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Moments {
     let mut scene = case(name).load().unwrap();
     tamper(&mut scene);
     let Reference { moments, samples, bounces, .. } = reference(name);
     let (width, height) = (moments.width as u32, moments.height as u32);
     let plan = Plan { width, height, bounces, samples, sequence };
-    Moments::measure(&Subject::new(scene, Isa::default_set()).unwrap(), &plan, REPLICAS, 77)
-        .unwrap()
+    let subject = Subject::new(name, scene, Isa::default_set()).unwrap();
+    subject.measure(&plan, REPLICAS, 77).unwrap()
 }
 
 fn verdict(name: &str, actual: &Moments) -> Verdict {
     judge(actual, &reference(name).moments, 24).unwrap()
 }
 
-/// Renders a scene with a fault.
+/// Renders a scene with a planted fault.
 fn faulty(name: &str, plant: impl FnOnce(&mut Scene)) -> Verdict {
     verdict(name, &render(name, Sequence::Sobol, plant))
 }
@@ -55,8 +56,7 @@ fn honest(name: &str) -> Moments {
 
 #[track_caller]
 fn assert_caught(verdict: &Verdict, check: Check, word: &str) {
-    let named =
-        |finding: &super::verdict::Finding| finding.check == check && finding.text.contains(word);
+    let named = |finding: &Finding| finding.check == check && finding.text.contains(word);
     assert!(verdict.findings.iter().any(named), "no {check} in {:?}", verdict.findings);
 }
 
@@ -94,7 +94,7 @@ fn a_leak_of_one_pixel_is_caught() {
 #[test]
 fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
     let mut shares = Vec::new();
-    for case in cases::of_workspace(&folder()).unwrap() {
+    for case in of_folder(&folder()).unwrap() {
         let reference = Reference::read(&case.reference).unwrap().moments;
         let zeros = vec![DVec3::ZERO; reference.mean.len()];
         let black = Moments {
@@ -109,12 +109,12 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
                 p_value(found.t, found.freedom) < level(3 * reference.mean.len() * 24)
             })
         };
-        // Where nothing shines, black is right.
+        // Pixels that are black in the reference cannot reveal a black pixel.
         let lit = |&i: &usize| reference.mean[i].max_element() > 0.0;
         let lit: Vec<usize> = (0..reference.mean.len()).filter(lit).collect();
         let share = lit.iter().copied().filter(caught).count() as f64 / lit.len() as f64;
-        // What is missing is noise: behind glass, in penumbras, and most of all where small emitters
-        // that are found by chance alone are the only light.
+        // The other pixels are too noisy: behind glass, in penumbras, and most of all where the
+        // only light comes from small emitters that paths hit by chance.
         let least = if case.name.starts_with("lights") { 0.5 } else { 0.8 };
         assert!(share > least, "{}: {share:.3} of all pixels", case.name);
         shares.push(share);
@@ -127,8 +127,8 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
 fn a_flipped_normal_is_caught() {
     let flipped = faulty("quads-enhanced", |scene| {
         let saddle = scene.shapes.iter_mut().find(|shape| !shape.normals.is_empty()).unwrap();
-        // Vertices are 4 x 4: this one has quads all around. At the rim the bound on shading normals
-        // mends so much that the light hardly tells; what is seen without light does.
+        // Vertices are 4 x 4: this one has quads all around. At the rim, the bound on shading
+        // normals corrects so much that the light hardly changes; the check of surfaces finds that.
         let [row, column] = [1, 1];
         let inner = 4 * row + column;
         saddle.normals[inner] = -saddle.normals[inner];
@@ -172,7 +172,7 @@ fn a_loss_of_one_percent_of_the_light_is_caught() {
 
 #[test]
 fn surfaces_that_lose_one_percent_of_the_light_are_caught() {
-    // The lamps lose nothing and fill a part of the picture; light that bounces loses more.
+    // The emitters lose nothing and fill a part of the picture, but indirect light loses more.
     let darker = faulty("lights-enhanced", |scene| {
         scene.materials.iter_mut().for_each(|material| material.color *= 0.98);
     });
@@ -195,7 +195,8 @@ fn a_tint_that_people_see_is_caught_by_flip() {
 
 #[test]
 fn two_scenes_of_one_name_are_refused() {
-    let scenes = ["a/x.json", "b/x.json"].map(Into::into);
-    let error = cases::of_user(Path::new("goldens"), &scenes).unwrap_err().to_string();
+    let mut suite = Suite::new("goldens");
+    suite.add_file("a/x.json").unwrap();
+    let error = suite.add_file("b/x.json").unwrap_err().to_string();
     assert!(error.contains("a/x.json") && error.contains("b/x.json"), "{error}");
 }

@@ -1,104 +1,64 @@
-//! Whether a picture is the one that was accepted.
+//! The statistical comparison of a picture with its reference.
 //!
-//! | check | what it asks | what only it finds |
+//! | check | question | finds |
 //! | --- | --- | --- |
-//! | `rejected` | is every sample a radiance | NaN that a film would count as black |
+//! | `rejected` | is every sample finite and not negative | NaN that a film would count as black |
 //! | `pixel` | Student's t for each pixel and channel | a leak of one pixel |
 //! | `block` | the same for the mean of each 8 x 8 block | a wrong normal, a shifted texture |
-//! | `energy` | the same for the mean of the picture | one percent of the light |
-//! | `flip` | is the visible difference what noise alone would show | what is spread thin but seen |
+//! | `energy` | the same for the mean of the picture | a loss of one percent of the light |
+//! | `flip` | is the visible difference within that of the noise | visible changes of large areas |
 //!
-//! What can be known without noise is compared by [`crate::surface`]. The three tests by Student's t together fail by chance in one of a thousand runs, at most, over
-//! a whole set of pictures: see [`FALSE_ALARMS`](crate::significance::FALSE_ALARMS).
+//! The three t-tests together fail by chance in at most one of a thousand runs over a whole set of
+//! pictures: see [`FALSE_ALARMS`](crate::FALSE_ALARMS). [`crate::surface`] compares what has no
+//! noise.
 
+use crate::check::{Check, Finding};
 use crate::moments::Moments;
 use crate::significance::{Comparison, compare, level, p_value};
-use anyhow::Result;
-use rotund_image::Difference;
+use rotund_image::{CompareError, Difference};
 use rotund_trace::{Sampler, Sequence};
 use std::f32::consts::TAU;
 use std::fmt;
 
 /// Side of a block in pixels.
-pub const BLOCK: usize = 8;
+const BLOCK: usize = 8;
 
-/// FLIP may be this many times what noise alone gives. Noise scatters by a few percent only, for it
-/// is a mean over thousands of pixels; the rest is for its shape, which is not quite normal.
+/// FLIP may be this many times that of the noise alone. A mean over thousands of pixels scatters by
+/// a few percent only; the rest allows for noise that is not normally distributed.
 const FLIP_FACTOR: f64 = 1.5;
-/// FLIP that nobody sees, allowed even without noise.
+/// An invisible FLIP error, allowed even without noise.
 const FLIP_MARGIN: f64 = 0.002;
-/// No picture may be as noisy as to hide a difference that people see: more than this fails whatever
-/// the noise.
-pub const FLIP_CEILING: f64 = 0.06;
+/// Upper bound on the FLIP error, whatever the noise: no picture may be so noisy that it hides a
+/// visible difference.
+pub(crate) const FLIP_CEILING: f64 = 0.06;
 
-/// The tests, by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Check {
-    Rejected,
-    Pixel,
-    Block,
-    Energy,
-    Flip,
-    Coverage,
-    Crossings,
-    Shadow,
-    Depth,
-    Normal,
-    Texcoord,
-    Color,
-}
-
-impl fmt::Display for Check {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Rejected => "rejected",
-            Self::Pixel => "pixel",
-            Self::Block => "block",
-            Self::Energy => "energy",
-            Self::Flip => "flip",
-            Self::Coverage => "coverage",
-            Self::Crossings => "crossings",
-            Self::Shadow => "shadow",
-            Self::Depth => "depth",
-            Self::Normal => "normal",
-            Self::Texcoord => "texcoord",
-            Self::Color => "colour",
-        })
-    }
-}
-
-/// A check that failed.
-#[derive(Clone, Debug)]
-pub struct Finding {
-    /// Which.
-    pub check: Check,
-    /// What was found, for people.
-    pub text: String,
-}
-
-/// What all checks say about one picture.
+/// Results of all checks of one picture.
 #[derive(Clone, Debug)]
 pub struct Verdict {
-    /// Empty if the picture is the one expected.
+    /// The checks that failed; empty if the picture agrees with its reference.
     pub findings: Vec<Finding>,
-    /// The relative difference of the means of the pictures, in the channel that is surest.
+    /// Relative difference of the means of the two pictures, in the channel with the smallest
+    /// relative error.
     pub energy: f64,
-    /// How many standard errors that is.
+    /// The same in standard errors.
     pub energy_t: f64,
-    /// The smallest p-value of all tests, times how many tests there are of its kind: what is below
-    /// a third of the false alarm rate fails.
+    /// The smallest p-value of all t-tests, times the number of tests of its kind. A third of
+    /// [`FALSE_ALARMS`](crate::FALSE_ALARMS) is the limit.
     pub smallest_p: f64,
-    /// The mean FLIP error.
+    /// Mean FLIP error.
     pub flip: f64,
-    /// The largest that passes.
+    /// Largest mean FLIP error that passes.
     pub flip_limit: f64,
-    /// Maps of where.
+    /// Metrics and maps of the difference of the mean pictures.
     pub difference: Difference,
 }
 
-/// Holds `actual` against `reference`, as one of `pictures` pictures of a run. They must have the
-/// same size.
-pub fn judge(actual: &Moments, reference: &Moments, pictures: usize) -> Result<Verdict> {
+/// Compares `actual` with `reference`, as one of `pictures` pictures of a run.
+pub(crate) fn judge(
+    actual: &Moments,
+    reference: &Moments,
+    pictures: usize,
+) -> Result<Verdict, CompareError> {
     let difference = Difference::between(&actual.picture(), &reference.picture())?;
     let flip = difference.metrics.flip_mean;
     let flip_limit = flip_of_noise(actual, reference)?.min(FLIP_CEILING);
@@ -121,7 +81,7 @@ pub fn judge(actual: &Moments, reference: &Moments, pictures: usize) -> Result<V
         for region in &regions {
             for channel in 0..3 {
                 let found = compare(actual, reference, region.indices(width), channel);
-                // Nothing this close is ever significant, and there are many pixels.
+                // Never significant, so the costly p-value of most pixels is not needed.
                 if found.t < 3.0 {
                     continue;
                 }
@@ -151,7 +111,7 @@ pub fn judge(actual: &Moments, reference: &Moments, pictures: usize) -> Result<V
 }
 
 /// Compares whole pictures in the channel whose relative error is the smallest.
-pub fn surest_energy(actual: &Moments, reference: &Moments) -> Comparison {
+pub(crate) fn surest_energy(actual: &Moments, reference: &Moments) -> Comparison {
     (0..3)
         .map(|channel| compare(actual, reference, 0..actual.mean.len(), channel))
         .min_by(|a, b| (a.error / a.expected).total_cmp(&(b.error / b.expected)))
@@ -200,7 +160,7 @@ fn blocks(width: usize, height: usize) -> Vec<Region> {
     blocks
 }
 
-/// One finding that tells how many regions failed and shows the worst.
+/// Returns one finding that counts the regions that failed and describes the worst.
 fn describe(check: Check, failed: Vec<(f64, Region, usize, Comparison)>) -> Option<Finding> {
     let worst = failed.iter().min_by(|a, b| a.0.total_cmp(&b.0).then(b.3.t.total_cmp(&a.3.t)))?;
     let &(p, region, channel, Comparison { expected, difference, t, .. }) = worst;
@@ -212,7 +172,7 @@ fn describe(check: Check, failed: Vec<(f64, Region, usize, Comparison)>) -> Opti
     };
     let values = format!("{:.4} instead of {expected:.4}", expected + difference);
     let sureness = if t.is_finite() {
-        // Smaller numbers mean nothing: the model of the noise is not that good.
+        // The model of the noise does not hold for smaller probabilities.
         format!("{t:.1} standard errors, p = {:.0e}", p.max(1e-30))
     } else {
         "without any noise".to_owned()
@@ -227,17 +187,18 @@ fn describe(check: Check, failed: Vec<(f64, Region, usize, Comparison)>) -> Opti
     Some(Finding { check, text })
 }
 
-/// The mean FLIP error that noise alone would give, and then some.
+/// Returns the limit of the mean FLIP error: that of noise alone, with some margin.
 ///
-/// It is measured: the reference against itself with noise of the size that both pictures have.
-pub fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64> {
+/// It is measured: the reference is compared with a copy of itself that has noise of the size of
+/// both pictures.
+pub(crate) fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64, CompareError> {
     let clean = reference.picture();
     let mut noisy = clean.clone();
     for (i, pixel) in noisy.pixels.iter_mut().enumerate() {
         let normal = normal(i as u32);
         for channel in 0..3 {
             let error = compare(actual, reference, [i].into_iter(), channel).error;
-            // One number for three channels: noise is in the light more than in its colour.
+            // The same number for all channels: noise changes brightness more than hue.
             pixel[channel] = (pixel[channel] + normal * error as f32).max(0.0);
         }
     }
@@ -245,7 +206,7 @@ pub fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64> {
     Ok(FLIP_FACTOR * noise + FLIP_MARGIN)
 }
 
-/// A standard normal number, another for each index (G. Box, M. Muller, "A note on the generation of
+/// Returns a standard normal number for each index (G. Box, M. Muller, "A note on the generation of
 /// random normal deviates", 1958).
 fn normal(index: u32) -> f32 {
     let [u, v, ..] = Sampler::new(Sequence::Independent, 0, index, 0, 0).set(0);

@@ -1,7 +1,7 @@
 //! FLIP: how visible the difference is to a person who flips between two images.
 //!
-//! Each pixel gets an error from 0 (invisible) to 1 (the largest possible difference): the difference
-//! in colour after a model of the eye's blur, increased where edges and points differ.
+//! Each pixel gets an error from 0 (invisible) to 1 (the largest possible difference): the
+//! difference in colour after a model of the eye's blur, increased where edges and points differ.
 //!
 //! Source: P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild,
 //! "FLIP: A Difference Evaluator for Alternating Images", Proceedings of the ACM on Computer
@@ -45,15 +45,15 @@ const SENSITIVITY: [&[Gaussian]; 3] = [
 /// The widest of them decides how far all filters reach.
 const WIDEST: f32 = 0.04;
 
-/// Returns the LDR-FLIP error of each pixel, in `0.0..=1.0`: how visible the difference is to a person
-/// who flips between the two images on a screen.
+/// Returns the LDR-FLIP error of each pixel, in `0.0..=1.0`: how visible the difference is to a
+/// person who flips between the two images on a screen.
 ///
 /// Linear values are clipped to `0.0..=1.0` first, and NaN counts as black. Alpha is ignored. The
-/// viewer is that of the paper: 0.7 m from a screen that is 0.7 m wide and has 3840 pixels. The result
-/// is symmetric in the arguments.
+/// viewer is that of the paper: 0.7 m from a screen that is 0.7 m wide and has 3840 pixels. The
+/// result is symmetric in the arguments.
 ///
-/// Source: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", Proceedings of
-/// the ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
+/// Source: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", Proceedings
+/// of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020.
 ///
 /// # Errors
 ///
@@ -87,8 +87,8 @@ fn channel((pixels, width, height): &Opponent, index: usize) -> Plane {
     Plane { width: *width, height: *height, values }
 }
 
-/// Section 4.1: blurs both images by the contrast sensitivity of the eye, then measures distances in a
-/// space where they match perception.
+/// Section 4.1: blurs both images by the contrast sensitivity of the eye, then measures distances
+/// in a space where they match perception.
 fn color_difference(a: &Opponent, b: &Opponent) -> Vec<f32> {
     let largest = hyab(hunt(lab_from_rgb(Vec3::Y)), hunt(lab_from_rgb(Vec3::Z)));
     let largest = largest.powf(COLOR_EXPONENT);
@@ -152,8 +152,8 @@ fn hunt(lab: Vec3) -> Vec3 {
     Vec3::new(lab.x, 0.01 * lab.x * lab.y, 0.01 * lab.x * lab.z)
 }
 
-/// HyAB distance: city-block in lightness, Euclidean in chroma (S. Abasi et al., "Distance metrics for
-/// very large color differences", 2020).
+/// HyAB distance: city-block in lightness, Euclidean in chroma (S. Abasi et al., "Distance metrics
+/// for very large color differences", 2020).
 fn hyab(a: Vec3, b: Vec3) -> f32 {
     let d = a - b;
     d.x.abs() + d.y.hypot(d.z)

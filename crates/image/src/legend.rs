@@ -8,8 +8,9 @@ const GLYPH: u32 = 8;
 const WHITE: [f32; 4] = [1.0; 4];
 const BLACK: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
-/// Returns `map` with a legend below: a title, the colours of a scale from left to right, and labels at
-/// the start, the middle and the end of the scale. Narrow maps get a white margin at their right.
+/// Returns `map` with a legend below: a title, the colours of a scale from left to right, and
+/// labels at the start, the middle and the end of the scale. Narrow maps get a white margin at
+/// their right.
 pub(crate) fn below(
     map: &Image,
     title: &str,

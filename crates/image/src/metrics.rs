@@ -8,8 +8,8 @@ use glam::Vec3;
 /// image. A single step may be due to rounding.
 const CHANGED_SRGB: f32 = 2.0 / 255.0;
 
-/// Added to the denominator of the relative error, so that it stays finite at black pixels: the square
-/// of a dark grey, 0.1.
+/// Added to the denominator of the relative error, so that it stays finite at black pixels: the
+/// square of a dark grey, 0.1.
 const REL_MSE_FLOOR: f32 = 0.01;
 
 /// Share of the pixels that [`Metrics::rel_mse_trimmed`] leaves out.
@@ -86,8 +86,8 @@ pub(crate) fn metrics(a: &Image, b: &Image, flip_mean: f64) -> Result<Metrics, C
     })
 }
 
-/// Returns [`Metrics::rel_mse_trimmed`] alone, without the cost of FLIP. It is the measure of noise of
-/// the renderer: fireflies do not dominate it.
+/// Returns [`Metrics::rel_mse_trimmed`] alone, without the cost of FLIP. It is the measure of noise
+/// of the renderer: fireflies do not dominate it.
 ///
 /// # Errors
 ///

@@ -28,8 +28,8 @@ static RGB_FROM_XYZ: LazyLock<Mat3> = LazyLock::new(|| XYZ_FROM_RGB.inverse());
 /// XYZ of the white point, which is RGB (1, 1, 1).
 static WHITE: LazyLock<Vec3> = LazyLock::new(|| *XYZ_FROM_RGB * Vec3::ONE);
 
-/// Returns L*a*b* without its cube root (YCxCz): linear in light, and opponent. `x` runs from -16 to
-/// 100.
+/// Returns L*a*b* without its cube root (YCxCz): linear in light, and opponent. `x` runs from -16
+/// to 100.
 ///
 /// Source: X. Zhang, B. Wandell, "A spatial extension of CIELAB for digital color-image
 /// reproduction", 1997.

@@ -1,30 +1,40 @@
-//! Charts in SVG, drawn by hand: logarithmic axes, direct labels, one color for each method.
+//! Charts in SVG with logarithmic axes, direct labels, and one color for each series.
 
+use crate::html::escape;
 use std::fmt::Write as _;
 
-/// Colors that people with any color vision tell apart, after M. Okabe and K. Ito; the library's own
-/// comes first.
+/// Colors that are distinct for any color vision, after M. Okabe and K. Ito. The first is for the
+/// library's own methods.
 const COLORS: [&str; 8] =
     ["#0072b2", "#8a8f98", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9", "#b8a900"];
 
-/// The color of the method at `index` of its shape.
+/// Returns the color of the series at `index`; the colors repeat after the eighth.
+#[must_use]
 pub fn color(index: usize) -> &'static str {
     COLORS[index % COLORS.len()]
 }
 
-/// A named curve, or the one point of a method in a scatter.
+/// A named curve, or the points of a method in a scatter chart.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Series {
+    /// Name in the legend.
     pub name: String,
+    /// Color in CSS, see [`color`].
     pub color: &'static str,
-    /// Drawn dashed: solves another problem.
+    /// True for a method that solves an approximate problem: it is drawn dashed or hollow.
     pub approximate: bool,
+    /// Abscissas and ordinates, which must be positive to be visible on logarithmic axes.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What the axes say.
+/// Title and axis labels of a chart.
+#[derive(Clone, Copy, Debug)]
 pub struct Labels<'a> {
+    /// Title above the chart.
     pub title: &'a str,
+    /// Label of the horizontal axis.
     pub x: &'a str,
+    /// Label of the vertical axis.
     pub y: &'a str,
 }
 
@@ -38,7 +48,7 @@ struct Frame {
     y: (f64, f64),
 }
 
-/// The ordinates of a chart: with a floor, values at or below the first are drawn on it, which says 0.
+/// Distance in pixels up to which a tick counts as the floor of the chart, whose label is 0.
 const FLOOR_ROOM: f64 = 0.9;
 
 impl Frame {
@@ -54,7 +64,9 @@ impl Frame {
     }
 }
 
-/// A log-log chart with one line for each series. A floor stands for zero.
+/// Draws a chart with one line for each series. Values at or below `floor` are drawn on the floor,
+/// whose label is 0.
+#[must_use]
 pub fn curves(labels: &Labels<'_>, series: &[Series], floor: Option<f64>) -> String {
     let (width, height) = (325.0, 250.0);
     let frame = Frame {
@@ -77,7 +89,8 @@ pub fn curves(labels: &Labels<'_>, series: &[Series], floor: Option<f64>) -> Str
         let wide = if s.color == COLORS[0] { 3 } else { 2 };
         let _ = write!(
             svg,
-            "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{wide}\"{dash} points=\"{}\"><title>{}</title></polyline>",
+            "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{wide}\"{dash} points=\"{}\">\
+             <title>{}</title></polyline>",
             s.color,
             path.join(" "),
             escape(&s.name)
@@ -86,7 +99,9 @@ pub fn curves(labels: &Labels<'_>, series: &[Series], floor: Option<f64>) -> Str
     svg + "</svg>"
 }
 
-/// A scatter of time against error; the front of what nothing beats in both is drawn.
+/// Draws a scatter chart of time against error, with the Pareto front: the points that no other
+/// point beats in both. Errors at or below `floor` are drawn on the floor, whose label is 0.
+#[must_use]
 pub fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
     let (width, height) = (660.0, 360.0);
     let points: Vec<(f64, f64)> = series.iter().flat_map(|s| s.points.clone()).collect();
@@ -103,7 +118,7 @@ pub fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
     let front: String = front(&points)
         .iter()
         .scan(None::<f64>, |above, &(x, y)| {
-            // Steps: the next point buys its lower error from its own time on.
+            // A step: the lower error of a point is available from its time on.
             let step = above.map(|y| format!("{:.1},{:.1} ", frame.px(x), frame.py(y)));
             *above = Some(y);
             Some(format!("{}{:.1},{:.1} ", step.unwrap_or_default(), frame.px(x), frame.py(y)))
@@ -117,11 +132,12 @@ pub fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
         let fill = if s.approximate { "none" } else { s.color };
         let _ = write!(
             svg,
-            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"6\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"2\"><title>{}: {x:.1} ns, {y:.3e}</title></circle>",
+            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"6\" fill=\"{fill}\" stroke=\"{}\" \
+             stroke-width=\"2\"><title>{}: {x:.1} ns, {y:.3e}</title></circle>",
             s.color,
             escape(&s.name)
         );
-        // The first place with room; the key names those without.
+        // The label takes the first free place. Without one, only the legend names the point.
         let length = 5.8 * s.name.chars().count() as f64;
         let places =
             [(10.0, 4.0), (-10.0 - length, 4.0), (-0.5 * length, -11.0), (-0.5 * length, 20.0)];
@@ -138,7 +154,7 @@ pub fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
     svg + "</svg>"
 }
 
-/// A rectangle of the drawing that holds a dot or a word.
+/// A rectangle of the drawing that is taken by a dot or a label.
 struct Area {
     left: f64,
     top: f64,
@@ -151,7 +167,7 @@ impl Area {
         Self { left: x - 8.0, top: y - 8.0, right: x + 8.0, bottom: y + 8.0 }
     }
 
-    /// A word whose base line starts at `x`, `y`.
+    /// Returns the area of a label whose baseline starts at `x`, `y`.
     fn text(x: f64, y: f64, length: f64) -> Self {
         Self { left: x, top: y - 9.0, right: x + length, bottom: y + 2.0 }
     }
@@ -164,7 +180,7 @@ impl Area {
     }
 }
 
-/// The points that no other point beats in both coordinates, by the first.
+/// Returns the points that no other point beats in both coordinates, sorted by the first.
 fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -177,7 +193,8 @@ fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     sorted
 }
 
-/// The key to the colors.
+/// Returns the legend: the color and name of each series.
+#[must_use]
 pub fn legend(series: &[Series]) -> String {
     let mut html = "<p class=\"legend\">".to_owned();
     for s in series {
@@ -192,19 +209,15 @@ pub fn legend(series: &[Series]) -> String {
     html + "</p>"
 }
 
-/// Text without markup.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 fn open(labels: &Labels<'_>, width: f64, height: f64) -> String {
     format!(
-        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" aria-label=\"{0}\"><text x=\"8\" y=\"17\" class=\"title\">{0}</text>",
+        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" \
+         aria-label=\"{0}\"><text x=\"8\" y=\"17\" class=\"title\">{0}</text>",
         escape(labels.title)
     )
 }
 
-/// Decades around the values; with a floor, which stands for zero, the axis starts there.
+/// Returns the decades that hold the values. With a floor, the axis starts there.
 fn range(values: impl Iterator<Item = f64>, floor: Option<f64>) -> (f64, f64) {
     let values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -230,7 +243,8 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>, from_zero: bool) {
         let text = if zero { "0".to_owned() } else { power_of_ten(power) };
         let _ = write!(
             svg,
-            "<line x1=\"{left}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+            "<line x1=\"{left}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\" class=\"grid\"/>\
+             <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
             left - 6.0,
             y + 4.0
         );
@@ -249,13 +263,15 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>, from_zero: bool) {
         let x = frame.px(x);
         let _ = write!(
             svg,
-            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{top}\" y2=\"{bottom}\" class=\"grid\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
+            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{top}\" y2=\"{bottom}\" class=\"grid\"/>\
+             <text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
             bottom + 16.0
         );
     }
     let _ = write!(
         svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text><text transform=\"translate(13,{:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
+         <text transform=\"translate(13,{:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         0.5 * (left + right),
         bottom + 33.0,
         escape(labels.x),
@@ -264,7 +280,7 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>, from_zero: bool) {
     );
 }
 
-/// A little more than the values take.
+/// Returns a range that is a little wider than that of the values.
 fn around(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let least = values.clone().fold(f64::INFINITY, f64::min);
     let most = values.fold(0.0, f64::max);
@@ -287,7 +303,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_front_holds_what_nothing_beats_in_both() {
+    fn the_front_holds_the_points_that_none_beats_in_both() {
         let points = [(3.0, 1.0), (1.0, 5.0), (2.0, 6.0), (4.0, 1.0), (2.5, 2.0), (1.0, 7.0)];
         assert_eq!(front(&points), [(1.0, 5.0), (2.5, 2.0), (3.0, 1.0)]);
         assert!(front(&[]).is_empty());

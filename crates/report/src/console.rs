@@ -1,11 +1,15 @@
-//! What commands print: text that survives a closed pipe, and aligned tables.
+//! Text on standard output, and aligned tables.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
 /// Prints `text` and a line break to standard output.
 ///
-/// Unlike `println!`, a closed pipe is an error and not a panic; `main` takes it for success.
+/// Unlike `println!`, it does not panic if the reader has closed the pipe.
+///
+/// # Errors
+///
+/// If standard output cannot be written to; a closed pipe is [`io::ErrorKind::BrokenPipe`].
 pub fn say(text: impl AsRef<str>) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_ref().as_bytes())?;
@@ -17,10 +21,12 @@ pub fn say(text: impl AsRef<str>) -> anyhow::Result<()> {
 /// Columns of a terminal that a table keeps to.
 const TERMINAL_COLUMNS: usize = 80;
 
-/// Rows of text under a heading: the first column is aligned left, the others right.
+/// Rows of text under a heading. The first column is aligned left, the others right. `Display`
+/// writes the table.
 ///
-/// A table is at most 80 columns wide, as long as its columns but the first leave room for that one. A
-/// longer first cell stands on a line of its own above the rest of its row, cut into pieces of 80.
+/// A table is at most 80 characters wide, if the columns after the first leave room for the first
+/// one. A first cell that is too long stands on lines of its own, of 80 characters, above the rest
+/// of its row.
 #[derive(Clone, Debug)]
 pub struct Table {
     rows: Vec<Vec<String>>,

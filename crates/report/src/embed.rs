@@ -10,8 +10,8 @@ const LARGEST_PNG: usize = 400_000;
 /// Width of a thumbnail in pixels.
 const THUMBNAIL: u32 = 400;
 
-/// Returns the data URI of an image that may lose pixels and digits to keep a page small: sides beyond
-/// 1920 pixels are scaled down, and a PNG of more than 400 kB becomes a JPEG.
+/// Returns the data URI of an image that may lose pixels and digits to keep a page small: sides
+/// beyond 1920 pixels are scaled down, and a PNG of more than 400 kB becomes a JPEG.
 ///
 /// # Errors
 ///

@@ -5,10 +5,10 @@
 //! for; or those of all scene files in the folder of the references, each by both methods.
 //!
 //! Light is compared by a statistical test, so the check accepts another processor, sampler or
-//! order of sums and still sees a change by one percent: see [`rotund_golden::verdict`]. The check
-//! renders with other random numbers than the reference, which the test requires. What each camera
-//! ray hits has no noise, and one ray that goes wrong is found: see [`rotund_golden::surface`].
-//! `--isa all` repeats the check with every instruction set that the trees have code for.
+//! order of sums and still sees a change by one percent: see [`rotund_golden`]. The check renders
+//! with other random numbers than the reference, which the test requires. What each camera ray hits
+//! has no noise, and one ray that goes wrong is found. `--isa all` repeats the check with every
+//! instruction set that the trees have code for.
 //!
 //! # Golden pictures of your own scenes
 //!
@@ -20,20 +20,15 @@
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use rotund_bvh::Isa;
-use rotund_golden::bless::{Blessed, bless};
-use rotund_golden::cases::{self, Case};
-use rotund_golden::moments::Moments;
-use rotund_golden::page::{self, Failure};
-use rotund_golden::reference::Reference;
-use rotund_golden::significance::FALSE_ALARMS;
-use rotund_golden::verdict::Verdict;
-use rotund_golden::{Judged, Outcome, REPLICAS, examine};
+use rotund_golden::{
+    Blessed, Case, FALSE_ALARMS, GoldenError, Judged, Moments, Outcome, REPLICAS, Reference,
+    Settings, Suite, Verdict, write_page,
+};
 use rotund_report::console::{Table, say};
-use rotund_trace::{Sequence, output};
+use rotund_trace::Sequence;
 use serde_json::json;
 use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
@@ -87,34 +82,33 @@ pub struct Args {
 }
 
 impl Args {
-    fn sequence(&self) -> Sequence {
-        if self.independent { Sequence::Independent } else { Sequence::Sobol }
+    fn settings(&self, isa: Isa, seed: u32) -> Settings {
+        let sequence = if self.independent { Sequence::Independent } else { Sequence::Sobol };
+        Settings { isa, sequence, seed }
     }
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
     let folder = args.dir.clone().context("golden needs --dir, the folder of the references")?;
-    let all = if args.scenes.is_empty() {
-        cases::of_workspace(&folder)?
-    } else {
-        cases::of_user(&folder, &args.scenes)?
-    };
-    let dead = cases::dead_references(&folder, &all)?;
-    let pictures = all.len();
-    let wanted = |case: &Case| args.only.as_ref().is_none_or(|text| case.name.contains(text));
-    let cases: Vec<Case> = all.into_iter().filter(wanted).collect();
+    let mut suite =
+        if args.scenes.is_empty() { Suite::of_folder(folder)? } else { Suite::new(folder) };
+    for scene in &args.scenes {
+        suite.add_file(scene)?;
+    }
+    suite.resolution = args.resolution;
+    let wanted = |case: &&Case| args.only.as_ref().is_none_or(|text| case.name.contains(text));
+    let cases: Vec<&Case> = suite.cases().iter().filter(wanted).collect();
     if cases.is_empty() {
         bail!("no picture has {:?} in its name", args.only.unwrap_or_default());
     }
     if args.bless {
-        let dead = if args.only.is_some() { Vec::new() } else { dead };
-        return accept(&cases, &dead, &folder, args.resolution, pictures);
+        return accept(&suite, &cases, args.only.is_none());
     }
     let isas = instruction_sets(&args.isa)?;
     if let Some(seeds) = args.seeds {
-        return count_failures(&cases, &args, isas[0], seeds, pictures);
+        return count_failures(&suite, &cases, &args, isas[0], seeds);
     }
-    check(&cases, &isas, &dead, &args, pictures)
+    check(&suite, &cases, &isas, &args)
 }
 
 fn instruction_sets(names: &[String]) -> Result<Vec<Isa>> {
@@ -127,26 +121,21 @@ fn instruction_sets(names: &[String]) -> Result<Vec<Isa>> {
     names.iter().map(|name| Ok(name.parse()?)).collect()
 }
 
-fn check(
-    cases: &[Case],
-    isas: &[Isa],
-    dead: &[PathBuf],
-    args: &Args,
-    pictures: usize,
-) -> Result<()> {
+fn check(suite: &Suite, cases: &[&Case], isas: &[Isa], args: &Args) -> Result<()> {
+    let dead = suite.dead_references()?;
     let mut table = Table::new(&HEADINGS);
     let bar = ProgressBar::new((isas.len() * cases.len()) as u64);
     let (mut failures, mut complaints, mut failed) = (Vec::new(), Vec::new(), 0);
     let mut objects = Vec::new();
     let start = Instant::now();
-    for (case, &isa) in cases.iter().flat_map(|case| isas.iter().map(move |isa| (case, isa))) {
+    for (&case, &isa) in cases.iter().flat_map(|case| isas.iter().map(move |isa| (case, isa))) {
         let case_start = Instant::now();
         let name = if isas.len() > 1 {
             format!("{} ({})", case.name, isa.name())
         } else {
             case.name.clone()
         };
-        match examine(case, args.sequence(), isa, args.seed, pictures)? {
+        match suite.examine(case, &args.settings(isa, args.seed))? {
             Outcome::Failed(complaint) => {
                 table.row([&case.name, isa.name(), "", "", "", "", "", "FAILED"]);
                 objects.push(json!({
@@ -156,9 +145,9 @@ fn check(
                 failed += 1;
             }
             Outcome::Judged(judged) => {
-                let Judged { reference, actual, surface, verdict } = *judged;
+                let Judged { reference, verdict, .. } = judged.as_ref();
                 let seconds = case_start.elapsed().as_secs_f64();
-                table.row(row(&case.name, isa.name(), seconds, &verdict));
+                table.row(row(&case.name, isa.name(), seconds, verdict));
                 let findings = verdict.findings.iter();
                 let findings: Vec<_> = findings
                     .map(|found| json!({ "check": found.check.to_string(), "text": found.text }))
@@ -178,23 +167,16 @@ fn check(
                 if !verdict.findings.is_empty() {
                     failed += 1;
                     for finding in &verdict.findings {
-                        complaints.push(format!("{name}: {}: {}", finding.check, finding.text));
+                        complaints.push(format!("{name}: {finding}"));
                     }
-                    failures.push(Failure {
-                        name,
-                        expected: reference.moments.picture(),
-                        actual: actual.picture(),
-                        surfaces: (!surface.compare(&reference.surface).is_empty())
-                            .then_some([reference.surface, surface]),
-                        verdict,
-                    });
+                    failures.extend(judged.into_failure(name));
                 }
             }
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    for path in dead {
+    for path in &dead {
         complaints.push(format!("{} is the reference of no scene", path.display()));
     }
     if args.json {
@@ -215,11 +197,11 @@ fn check(
     }
     let mut hint = String::new();
     if !failures.is_empty() {
-        write_page(&args.report, &failures)?;
+        write_page(&args.report, &failures, "golden --bless")?;
         hint = format!("; see {}", args.report.display());
     }
     bail!(
-        "{failed} of {} pictures failed, {} references are dead{hint}; if the change is meant, add \
+        "{failed} of {} pictures failed, {} references are dead{hint}; if the change is intended, add \
          --bless",
         isas.len() * cases.len(),
         dead.len()
@@ -248,22 +230,16 @@ fn chance(verdict_p: f64) -> String {
 }
 
 /// Checks every picture with many seeds and counts the false alarms.
-fn count_failures(
-    cases: &[Case],
-    args: &Args,
-    isa: Isa,
-    seeds: u32,
-    pictures: usize,
-) -> Result<()> {
+fn count_failures(suite: &Suite, cases: &[&Case], args: &Args, isa: Isa, seeds: u32) -> Result<()> {
     let mut table = Table::new(&["picture", "runs", "failed", "light, sigma", "smallest chance"]);
     let bar = ProgressBar::new(cases.len() as u64 * u64::from(seeds));
     let mut failed_runs = vec![false; seeds as usize];
     let mut texts = Vec::new();
-    for case in cases {
+    for &case in cases {
         let (mut failed, mut squares, mut smallest) = (0, 0.0, f64::INFINITY);
         for run in 0..seeds {
             let seed = args.seed.saturating_add(run);
-            match examine(case, args.sequence(), isa, seed, pictures)? {
+            match suite.examine(case, &args.settings(isa, seed))? {
                 Outcome::Failed(complaint) => bail!("{}: {complaint}", case.name),
                 Outcome::Judged(judged) => {
                     let verdict = judged.verdict;
@@ -274,8 +250,7 @@ fn count_failures(
                         failed_runs[run as usize] = true;
                     }
                     for finding in verdict.findings {
-                        let (check, text) = (finding.check, finding.text);
-                        texts.push(format!("seed {seed}: {}: {check}: {text}", case.name));
+                        texts.push(format!("seed {seed}: {}: {finding}", case.name));
                     }
                 }
             }
@@ -301,43 +276,36 @@ fn count_failures(
     ))
 }
 
-/// Renders the references anew, prints what changed and removes dead ones.
-fn accept(
-    cases: &[Case],
-    dead: &[PathBuf],
-    folder: &Path,
-    resolution: u32,
-    pictures: usize,
-) -> Result<()> {
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+/// Renders the references anew and prints what changed. Removes those of no scene if asked to.
+fn accept(suite: &Suite, cases: &[&Case], remove_dead: bool) -> Result<()> {
     let mut refused = 0;
-    for case in cases {
+    for &case in cases {
         let name = &case.name;
-        // A reference that cannot be read is replaced as if there were none.
-        let old = Reference::read(&case.reference).ok();
-        match bless(case, old.as_ref(), resolution, pictures) {
+        match suite.accept(case) {
             Ok(Blessed::Unchanged) => say(format!("{name}: unchanged"))?,
-            Ok(Blessed::New(reference)) => {
-                reference.write(&case.reference)?;
-                say(format!("{name}: new, {}", summary(&reference)))?;
-            }
+            Ok(Blessed::New(reference)) => say(format!("{name}: new, {}", summary(&reference)))?,
             Ok(Blessed::Changed(reference, findings)) => {
-                reference.write(&case.reference)?;
                 say(format!("{name}: changed, {}", summary(&reference)))?;
                 for finding in findings {
-                    say(format!("  {}: {}", finding.check, finding.text))?;
+                    say(format!("  {finding}"))?;
+                }
+            }
+            Err(GoldenError::Refused(refusal)) => {
+                refused += 1;
+                for (name, reason) in refusal.pictures {
+                    say(format!("{name}: refused: {reason}"))?;
                 }
             }
             Err(error) => {
                 refused += 1;
-                say(format!("{name}: refused: {error:#}"))?;
+                say(format!("{name}: refused: {:#}", anyhow::Error::new(error)))?;
             }
         }
     }
+    let dead = if remove_dead { suite.dead_references()? } else { Vec::new() };
     for path in dead {
-        fs::remove_file(path).with_context(|| format!("cannot remove {}", path.display()))?;
-        say(format!("{}: removed, for it belongs to no scene", path.display()))?;
+        fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        say(format!("{}: removed, because it belongs to no scene", path.display()))?;
     }
     if refused > 0 {
         bail!("{refused} of {} pictures were refused; their references are as before", cases.len());
@@ -348,14 +316,4 @@ fn accept(
 fn summary(reference: &Reference) -> String {
     let Moments { width, height, replicas, .. } = reference.moments;
     format!("{width} x {height} pixels, {} samples", replicas * reference.samples)
-}
-
-fn write_page(path: &Path, failures: &[Failure]) -> Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)
-            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-    }
-    let html = page::page(failures)?;
-    output::write_with(path, |file| file.write_all(html.as_bytes()))?;
-    Ok(())
 }

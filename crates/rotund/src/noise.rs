@@ -13,6 +13,7 @@ use anyhow::{Result, bail};
 use rotund_image::{Image, trimmed_relative_error};
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
+use rotund_report::html;
 use rotund_trace::{Film, Options, Sequence, World};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -116,14 +117,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
     }
     let title = format!("{}: noise against time", scene.name);
     let labels = Labels { title: &title, x: "seconds", y: "relative squared error" };
-    let style = rotund_report::STYLE;
-    let page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{0}</title>\
-         <style>{style}</style><body><h1>{0}</h1>{1}{2}<pre>{table}</pre></body></html>\n",
-        chart::escape(&title),
+    let body = format!(
+        "<h1>{}</h1>\n{}{}<pre>{table}</pre>",
+        html::escape(&title),
         chart::legend(&curves),
         chart::curves(&labels, &curves, None),
     );
+    let page = html::page(&title, "", &body);
     write_text(&args.out, &page)?;
     say(table.to_string())?;
     say(format!("\nopen {}", args.out.display()))

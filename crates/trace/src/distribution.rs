@@ -1,81 +1,87 @@
-//! Drawing from tables: a cell with a chance in proportion to its weight, and a place in the cell.
+//! Piecewise constant distributions: a cell with probability in proportion to its weight, and a
+//! point in the cell.
 //!
-//! Cells are found by inverting the cumulative sum. An alias table would find them in constant time,
-//! but it would scatter neighbouring numbers, and with them the evenness of a Sobol sequence.
+//! Cells are found by inverting the cumulative distribution. An alias table would find them in
+//! constant time, but its map is not monotonic, so it would destroy the stratification of a Sobol
+//! sequence.
 
 use glam::Vec2;
 
-/// A table of weights; none by default.
+/// A one-dimensional distribution; empty by default.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
     sums: Sums,
     pub(crate) sum: f32,
 }
 
-/// A cell that was drawn.
+/// A sampled cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drawn {
     pub(crate) cell: usize,
-    /// The chance of the cell.
+    /// Probability of the cell.
     pub(crate) chance: f32,
-    /// Uniform in `0.0..1.0`: what the choice left over.
+    /// The position of the random number within the cell, uniform in `0.0..1.0`.
     pub(crate) rest: f32,
 }
 
 impl Table {
-    /// Weights must not be negative. If all are zero, nothing can be drawn.
+    /// Makes a distribution of weights, which must not be negative. If all are zero, no cell can be
+    /// sampled.
     pub(crate) fn new(weights: impl IntoIterator<Item = f32>) -> Self {
         let mut sums = Sums::default();
         let sum = sums.push_row(weights);
         Self { sums, sum }
     }
 
-    /// The chance of a cell.
+    /// Returns the probability of a cell.
     pub(crate) fn chance(&self, cell: usize) -> f32 {
         self.sums.chance(0, cell)
     }
 
-    /// `u` in `0.0..1.0` picks a cell that has a chance; none if no cell has.
+    /// Samples a cell of positive probability by `u` in `0.0..1.0`, or returns `None` if there is
+    /// none.
     pub(crate) fn draw(&self, u: f32) -> Option<Drawn> {
         self.sums.draw(0, u)
     }
 }
 
-/// Grids of weights, all of the same size.
+/// Two-dimensional distributions over grids of the same size.
 #[derive(Clone, Debug)]
 pub(crate) struct Grids {
     width: usize,
     height: usize,
-    /// One row of chances for each grid, of its rows.
+    /// Marginal distribution of the rows of each grid.
     rows: Sums,
-    /// Of each row of each grid.
+    /// Conditional distribution of the columns of each row of each grid.
     columns: Sums,
 }
 
 impl Grids {
-    /// None yet.
+    /// Makes an empty list of grids of a size.
     pub(crate) fn new(width: usize, height: usize) -> Self {
         Self { width, height, rows: Sums::default(), columns: Sums::default() }
     }
 
-    /// Appends a grid, and returns the sum of its weights. `weight(column, row)` must not be negative.
+    /// Appends a grid, and returns the sum of its weights. `weight(column, row)` must not be
+    /// negative.
     pub(crate) fn push(&mut self, weight: impl Fn(usize, usize) -> f32) -> f32 {
         let Self { width, height, rows, columns } = self;
         let of_row = |row| columns.push_row((0..*width).map(|column| weight(column, row)));
         rows.push_row((0..*height).map(of_row))
     }
 
-    /// How many.
+    /// Returns the number of grids.
     pub(crate) fn len(&self) -> usize {
         self.rows.cumulative.len() / (self.height + 1)
     }
 
-    /// The chance of a cell among those of its grid.
+    /// Returns the probability of a cell in its grid.
     pub(crate) fn chance(&self, grid: usize, [column, row]: [usize; 2]) -> f32 {
         self.rows.chance(grid, row) * self.columns.chance(grid * self.height + row, column)
     }
 
-    /// Column, row, their chance, and a place in the cell, uniform in the unit square.
+    /// Samples a cell. Returns column and row, their probability, and the position in the cell,
+    /// uniform in the unit square.
     pub(crate) fn draw(&self, grid: usize, u: Vec2) -> Option<([usize; 2], f32, Vec2)> {
         let row = self.rows.draw(grid, u.y)?;
         let column = self.columns.draw(grid * self.height + row.cell, u.x)?;
@@ -84,23 +90,24 @@ impl Grids {
     }
 }
 
-/// Cumulative chances of rows of the same length.
+/// Cumulative distributions of rows of the same length.
 #[derive(Clone, Debug, Default)]
 struct Sums {
-    /// In each row, the chance of the cells before each; one more entry than cells.
+    /// In each row, the probability of all cells before each; one more entry than cells.
     cumulative: Vec<f32>,
-    /// For each row and each of `buckets` equal parts of `0.0..1.0`, the first entry above where the part
-    /// begins. From there the search goes entry by entry, past [`SHARE`] of them on average, whatever the weights:
-    /// the tables of a sky are larger than the caches, and halving a row would fetch seven lines of it.
+    /// Guide table: for each row and each of `buckets` equal parts of `0.0..1.0`, the first entry
+    /// above the start of the part. A linear search from there passes [`SHARE`] entries on average,
+    /// whatever the weights. The tables of a sky are larger than the caches, and a binary search of
+    /// a row would touch seven cache lines.
     ///
-    /// Source: H. Chen, Y. Asau, "On Generating Random Variates from an Empirical Distribution", AIIE
-    /// Transactions 6(2), 1974.
+    /// Source: H. Chen, Y. Asau, "On Generating Random Variates from an Empirical Distribution",
+    /// AIIE Transactions 6(2), 1974.
     guide: Vec<u32>,
     buckets: usize,
     entries: usize,
 }
 
-/// Entries for each part of the guide.
+/// Number of entries for each part of the guide table.
 const SHARE: usize = 8;
 
 impl Sums {
@@ -136,16 +143,16 @@ impl Sums {
             return None;
         }
         let cumulative = &self.cumulative[row * self.entries..][..self.entries];
-        // The first entry is 0; the last is 1 or, if nothing can be drawn, 0.
+        // The first entry is 0; the last is 1, or 0 if all weights are zero.
         let mut after = match self.buckets {
-            // A short row is not worth the way to the guide.
+            // A short row is searched from its start.
             1 => 1,
             buckets => {
                 let bucket = ((u * buckets as f32) as usize).min(buckets - 1);
                 self.guide[row * buckets + bucket] as usize
             }
         };
-        // The product may have been rounded up to the next part.
+        // The product may have been rounded up to the next bucket.
         while cumulative[after - 1] > u {
             after -= 1;
         }
@@ -177,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_drawn_from_nothing() {
+    fn an_empty_distribution_has_no_samples() {
         assert_eq!(Table::new([]).draw(0.5), None);
         assert_eq!(Table::new([0.0, 0.0]).draw(0.0), None);
         assert_eq!(Table::default().draw(0.5), None);

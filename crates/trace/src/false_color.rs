@@ -7,7 +7,7 @@ use rotund_geometry::{Aabb, Ray, UNIT_ROUNDOFF};
 use rotund_scene::{ElementKind, MaterialPoint, Method, SceneHit};
 
 impl Context<'_> {
-    /// Returns what a view shows along a ray of unit direction.
+    /// Returns the value of a view along a ray of unit direction.
     pub(crate) fn look(&self, view: View, ray: Ray, sampler: &Sampler) -> Arrived {
         if matches!(view, View::Path | View::Furnace) {
             return self.trace(ray, sampler);

@@ -6,7 +6,8 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use rotund_scene::Camera;
 
-/// Auxiliary pictures of the first surfaces, for compositing and denoising; row by row from the top.
+/// Auxiliary pictures of the first surfaces, for compositing and denoising; row by row from the
+/// top.
 #[derive(Clone, Debug)]
 pub struct Layers {
     /// Pixels in a row.
@@ -17,8 +18,8 @@ pub struct Layers {
     pub albedo: Vec<Vec3>,
     /// Shading normal in world space, averaged over the pixel.
     pub normal: Vec<Vec3>,
-    /// Distance in meters from the start of the ray through the center of the pixel; infinite without
-    /// a surface.
+    /// Distance in meters from the start of the ray through the center of the pixel; infinite
+    /// without a surface.
     pub depth: Vec<f32>,
     /// Position in world space at the center of the pixel; zero without a surface.
     pub position: Vec<Vec3>,
@@ -40,7 +41,8 @@ struct Pixel {
 }
 
 impl World<'_> {
-    /// Returns the layers of a picture. Of the options, size, seed, sequence and up to 16 samples count.
+    /// Returns the layers of a picture. Of the options, size, seed, sequence and up to 16 samples
+    /// count.
     ///
     /// Positions are those of the scene: [`Options::recenter`] has no effect.
     ///

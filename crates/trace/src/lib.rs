@@ -1,12 +1,18 @@
 //! A path tracer for scenes of spheres, rounded cones and bilinear patches.
 //!
-//! [`World::render`] follows paths from a camera: at each vertex one direction is drawn from the [`Lights`] and
-//! one from the [`Bsdf`], joined by multiple importance sampling. What it leaves is a [`Film`], whose sums
-//! are exact: any order of samples, any number of threads, any interruption and any division into
-//! [`Shard`]s makes the same bits. [`output`] writes pictures and checkpoints.
+//! A [`World`] holds a scene with its trees and lights. [`World::render`] traces paths from a
+//! camera: at each vertex one direction is sampled from the [`Lights`] and one from the [`Bsdf`],
+//! joined by multiple importance sampling. The result is a [`Film`], whose sums are exact: any
+//! order of samples, any number of threads, any interruption and any division into [`Shard`]s makes
+//! the same bits. [`output`] writes pictures and checkpoints.
 //!
-//! Conventions: directions `incoming` (to the light) and `outgoing` (to the eye) point away from the
-//! surface; radiance is linear Rec. 709; a pdf is per solid angle unless its name says `pdf_area`.
+//! An integrator of one's own starts its paths with [`camera_ray`], takes its random numbers from a
+//! [`Sampler`], and fills a film by [`Film::accumulate`]; [`Lights`] shows how to combine light and
+//! BSDF samples. The examples of this crate have a whole one.
+//!
+//! Conventions: directions `incoming` (to the light) and `outgoing` (to the eye) point away from
+//! the surface and have unit length; radiance is linear Rec. 709; a pdf is per solid angle unless
+//! its name says `pdf_area`; random numbers are uniform in `0.0..1.0`.
 //!
 //! ```
 //! use rotund_trace::scene::{Camera, Environment, Scene};
@@ -53,8 +59,8 @@ mod world;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue};
 pub use camera_ray::camera_ray;
-pub use error::RenderError;
-pub use film::{Film, FilmError, FilmSample, MergeError, Progress};
+pub use error::{FilmError, RenderError};
+pub use film::{Film, FilmSample, MergeError, Progress};
 pub use layers::Layers;
 pub use light::{LightSample, LightSource, Lights, Receiver};
 pub use mis::power_heuristic;

@@ -1,34 +1,34 @@
-//! What fills the solids that a path is in.
+//! Participating media inside of solids and clouds, and the stack of those around a path.
 
 use glam::Vec3;
 use rotund_scene::{MaterialKind, MaterialPoint, SceneHit};
 
-/// How many solids a path may be in at once; the innermost beyond that count as empty.
+/// Largest number of nested solids around a path; deeper ones count as empty.
 const DEPTH: usize = 8;
 
-/// What is inside of a solid or cloud.
+/// A homogeneous medium inside of a solid or cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Medium {
-    /// Per meter.
+    /// Extinction coefficient per meter.
     pub(crate) extinction: Vec3,
-    /// The share of the extinction that is scattering.
+    /// Single-scattering albedo: the fraction of the extinction that is scattering.
     pub(crate) albedo: Vec3,
-    /// Mean cosine of scattering.
+    /// Mean cosine of the scattering angle.
     pub(crate) anisotropy: f32,
-    /// Around it is a wall that bends light.
+    /// The boundary refracts light.
     pub(crate) walled: bool,
 }
 
-/// The solids around a path, innermost last.
+/// The stack of solids around a path, innermost last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Media {
-    /// With their instances.
+    /// Index of the instance, and its medium.
     solids: [(u32, Medium); DEPTH],
     depth: usize,
 }
 
 impl Medium {
-    /// What is behind a surface of this material.
+    /// Returns the medium behind a surface of this material.
     pub(crate) fn new(material: &MaterialPoint) -> Self {
         Self {
             extinction: material.extinction,
@@ -38,14 +38,15 @@ impl Medium {
         }
     }
 
-    /// How far light goes before it is scattered: the distance, if it is less than `limit`, and the
-    /// factor for what comes from there, or else for what comes from the limit.
+    /// Samples the distance to the next scattering event. Returns the distance if it is less than
+    /// `limit`, else `None`, with the factor of the throughput.
     ///
-    /// `channel` picks a color to draw for, `u` the distance; the density is the mean over all three.
+    /// `channel` picks the channel whose extinction is sampled, `u` the distance; the density is
+    /// the mean over the three channels.
     pub(crate) fn sample(&self, limit: f32, channel: f32, u: f32) -> (Option<f32>, Vec3) {
         let mean = |v: Vec3| v.element_sum() / 3.0;
         let drawn = self.extinction[((channel * 3.0) as usize).min(2)];
-        // Infinite where nothing is in the way.
+        // Infinite for an extinction of zero.
         let distance = -(-u).ln_1p() / drawn;
         if distance < limit {
             let remains = (-distance * self.extinction).exp();
@@ -53,7 +54,7 @@ impl Medium {
             (Some(distance), self.albedo * self.extinction * remains / pdf)
         } else {
             let remains = (-limit * self.extinction).exp();
-            // All channels may be too dense for f32: then nothing comes through.
+            // The transmittance of every channel may underflow: then nothing is transmitted.
             let pdf = mean(remains);
             (None, if pdf > 0.0 { remains / pdf } else { Vec3::ZERO })
         }
@@ -61,7 +62,7 @@ impl Medium {
 }
 
 impl Media {
-    /// A path goes into an instance.
+    /// Pushes the medium of an instance that a path enters.
     fn enter(&mut self, instance: u32, medium: Medium) {
         if self.depth < DEPTH {
             self.solids[self.depth] = (instance, medium);
@@ -69,8 +70,8 @@ impl Media {
         }
     }
 
-    /// A path comes out of an instance. Solids that overlap may be left in any order; one that was
-    /// never entered, because the camera is inside, changes nothing.
+    /// Removes the medium of an instance that a path leaves. Solids that overlap may be left in any
+    /// order; leaving one that was never entered, because the camera is inside, changes nothing.
     fn leave(&mut self, instance: u32) {
         let inside = &self.solids[..self.depth];
         if let Some(place) = inside.iter().rposition(|&(solid, _)| solid == instance) {
@@ -79,7 +80,8 @@ impl Media {
         }
     }
 
-    /// A path crosses the wall of an instance in a direction.
+    /// Enters or leaves the instance of `hit`, by the side of the surface that `direction` points
+    /// to.
     pub(crate) fn cross(&mut self, hit: &SceneHit, direction: Vec3, medium: Medium) {
         if hit.normal.dot(direction) < 0.0 {
             self.enter(hit.instance, medium);
@@ -88,13 +90,13 @@ impl Media {
         }
     }
 
-    /// What is around the path, if not nothing.
+    /// Returns the medium around the path, unless it is empty.
     pub(crate) fn innermost(&self) -> Option<&Medium> {
         let (_, medium) = self.solids[..self.depth].last()?;
         (medium.extinction != Vec3::ZERO).then_some(medium)
     }
 
-    /// What remains of the light over a distance, by Beer and Lambert.
+    /// Returns the transmittance over a distance, by the Beer-Lambert law.
     pub(crate) fn transmittance(&self, distance: f32) -> Vec3 {
         self.innermost().map_or(Vec3::ONE, |medium| (-distance * medium.extinction).exp())
     }
@@ -114,7 +116,7 @@ mod tests {
         assert!(media.transmittance(2.0).abs_diff_eq((-2.0 * a).exp(), 1e-7));
         media.enter(8, of(b));
         assert!(media.transmittance(2.0).abs_diff_eq((-2.0 * b).exp(), 1e-7));
-        // The outer one ends first: they overlap.
+        // The outer solid ends first: the two overlap.
         media.leave(7);
         assert!(media.transmittance(2.0).abs_diff_eq((-2.0 * b).exp(), 1e-7));
         media.leave(7);
@@ -123,15 +125,15 @@ mod tests {
     }
 
     #[test]
-    fn distances_in_a_medium_are_drawn_as_light_is_lost() {
+    fn sampled_distances_scatter_and_transmit_what_beer_and_lambert_say() {
         let medium = Medium {
             extinction: Vec3::new(0.5, 2.0, 0.0),
             albedo: Vec3::new(0.3, 0.9, 0.5),
             anisotropy: 0.0,
             walled: false,
         };
-        // What is scattered and what arrives: the integral of the extinction times albedo, and the
-        // transmittance, over a limit of 1.5.
+        // The expected scattered light is the integral of albedo times extinction times
+        // transmittance; that of the transmitted light is the transmittance over the limit of 1.5.
         let (mut scattered, mut arrived) = (Vec3::ZERO, Vec3::ZERO);
         const STEPS: u32 = 300;
         for i in 0..STEPS {

@@ -16,9 +16,9 @@ pub(crate) struct Near {
     pub(crate) facts: Facts,
 }
 
-/// Distance of the origin from the camera, in multiples of that of the farthest instance, above which the
-/// scene is moved. Positions have lost four bits there, which is not visible yet, so pictures of
-/// ordinary scenes do not depend on it.
+/// Distance of the origin from the camera, in multiples of that of the farthest instance, above
+/// which the scene is moved. Positions have lost four bits there, which is not visible yet, so
+/// pictures of ordinary scenes do not depend on it.
 const FAR: f32 = 16.0;
 
 /// Returns the point that should be the origin, if the actual origin is so far from the camera that
@@ -31,10 +31,17 @@ pub(crate) fn better_origin(scene: &Scene, camera: &Camera) -> Option<Vec3A> {
 }
 
 impl Near {
-    pub(crate) fn new(scene: &Scene, camera: usize, origin: Vec3A) -> Result<Self, SceneError> {
+    /// Moves a scene, and its trees with it, which keeps how they are walked.
+    pub(crate) fn new(
+        scene: &Scene,
+        trees: &Trees,
+        camera: usize,
+        origin: Vec3A,
+    ) -> Result<Self, SceneError> {
         let mut scene = scene.clone();
         scene.recenter(origin);
-        let trees = Trees::build(&scene)?;
+        let mut trees = trees.clone();
+        trees.refit(&scene)?;
         let lights = Lights::of_valid(&scene);
         let facts = Facts::new(&scene);
         Ok(Self { camera, scene, trees, lights, facts })

@@ -4,13 +4,16 @@ use crate::{Sampler, context::Context};
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialPoint, SceneHit};
 
-/// Largest number of surfaces of partial opacity on one path. It ends paths that would otherwise not.
+/// Largest number of surfaces of partial opacity on one path. It ends paths that would otherwise
+/// not.
 pub(crate) const SHEETS: u32 = 1024;
-/// First dimension set of the decisions at surfaces of partial opacity, of which there are any number.
+/// First dimension set of the decisions at surfaces of partial opacity, of which there are any
+/// number.
 pub(crate) const SHEET_SETS: u32 = 1 << 16;
 
 impl Context<'_> {
-    /// Returns the first surface of a ray that is present by its opacity, and the number of rays traced.
+    /// Returns the first surface of a ray that is present by its opacity, and the number of rays
+    /// traced.
     pub(crate) fn first_surface(
         &self,
         mut ray: Ray,

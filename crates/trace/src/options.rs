@@ -22,16 +22,16 @@ pub struct Options {
     pub shard: Shard,
     /// Quantity that the picture shows.
     pub view: View,
-    /// Limit to which samples with a larger channel are scaled down. Clamping removes energy, so there
-    /// is no limit by default; [`crate::Film::clamped`] counts the samples that it changed.
+    /// Limit to which samples with a larger channel are scaled down. Clamping removes energy, so
+    /// there is no limit by default; [`crate::Film::clamped`] counts the samples that it changed.
     pub clamp: Option<f32>,
-    /// Hides the environment from the camera: a camera ray that reaches it, possibly straight through
-    /// surfaces of partial opacity and clouds, adds no radiance and alpha 0. The environment still
-    /// illuminates the scene, and reflections and refractions show it.
+    /// Hides the environment from the camera: a camera ray that reaches it, possibly straight
+    /// through surfaces of partial opacity and clouds, adds no radiance and alpha 0. The
+    /// environment still illuminates the scene, and reflections and refractions show it.
     pub transparent: bool,
-    /// Moves the origin to the camera while rendering [`View::Path`], if the origin is so far away that
-    /// single-precision positions lose digits: at 10 km they are multiples of a millimeter. Other
-    /// views show positions of the scene, so they never move it.
+    /// Moves the origin to the camera while rendering [`View::Path`], if the origin is so far away
+    /// that single-precision positions lose digits: at 10 km they are multiples of a millimeter.
+    /// Other views show positions of the scene, so they never move it.
     pub recenter: bool,
 }
 

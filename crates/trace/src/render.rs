@@ -11,19 +11,20 @@ impl World<'_> {
     ///
     /// # Errors
     ///
-    /// If the scene has no such camera, [`Options::validate`] refuses the options, or the film does not
-    /// fit into memory.
+    /// If the scene has no such camera, [`Options::validate`] refuses the options, or the film does
+    /// not fit into memory.
     pub fn render(&self, camera: usize, options: &Options) -> Result<Film, RenderError> {
         self.render_with(camera, options, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Renders a picture with the threads of the current rayon pool, with progress and cancellation.
+    /// Renders a picture with the threads of the current rayon pool, with progress and
+    /// cancellation.
     ///
-    /// `progress` is called at least every 0.1 s, whatever the size of the picture. If it breaks, the
-    /// film has the samples taken so far, and [`Self::resume`] adds the others.
+    /// `progress` is called at least every 0.1 s, whatever the size of the picture. If it breaks,
+    /// the film has the samples taken so far, and [`Self::resume`] adds the others.
     ///
-    /// The clock decides only when `progress` is called. The same samples make the same picture, bit for
-    /// bit, on any number of threads, with any interruptions.
+    /// The clock decides only when `progress` is called. The same samples make the same picture,
+    /// bit for bit, on any number of threads, with any interruptions.
     ///
     /// # Errors
     ///
@@ -47,8 +48,8 @@ impl World<'_> {
     ///
     /// # Errors
     ///
-    /// If the scene has no such camera, [`Options::validate`] refuses the options, or the film is not of
-    /// the size, seed and shard of the options. The film is unchanged then.
+    /// If the scene has no such camera, [`Options::validate`] refuses the options, or the film is
+    /// not of the size, seed and shard of the options. The film is unchanged then.
     pub fn resume(
         &self,
         film: &mut Film,

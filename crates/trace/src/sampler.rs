@@ -1,28 +1,28 @@
-//! Random numbers that depend on pixel, sample and seed, never on threads.
+//! Random numbers as a function of seed, pixel, sample and dimension, independent of threads.
 
 use sobol_burley::parts::{Int4, hash_int4, owen_scramble_int4_rev, owen_scramble_rev, sobol_rev};
 use std::sync::LazyLock;
 
-/// Where the numbers of a path come from.
+/// The generator of the random numbers of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sequence {
-    /// Owen-scrambled Sobol points: the samples of a pixel cover the space of paths evenly, so noise
-    /// falls faster than for independent numbers. For powers of two it falls fastest.
+    /// Owen-scrambled Sobol points: the samples of a pixel are stratified, so the error falls
+    /// faster than with independent numbers, fastest at powers of two.
     #[default]
     Sobol,
-    /// Independent numbers: the textbook Monte Carlo that tests of the other are held against.
+    /// Independent numbers: plain Monte Carlo, the reference for tests of the other.
     Independent,
 }
 
-/// The points of `[0, 1)` that one path of one pixel consumes, four dimensions at a time.
+/// The random numbers of one path of one pixel, uniform in `0.0..1.0`, in sets of four dimensions.
 ///
-/// It has no state that advances: a dimension set has the same numbers whenever it is asked for, so
-/// what one decision of a path consumes does not shift what the next one gets.
+/// A sampler has no state that advances: a set has the same numbers whenever it is asked for, so
+/// the number of dimensions that one decision consumes does not shift those of the next.
 ///
-/// Of the Sobol sequence only the first four dimensions are taken, which cover the plane of each two
-/// best, and each set has them in an order and with a scramble of its own. Within a set the numbers of
-/// all samples are even, best the first two; between sets they are independent. The dimensions of one
-/// long sequence are even together only for far more samples than a pixel has.
+/// Every set consists of the first four Sobol dimensions, whose two-dimensional projections are
+/// best, with a shuffled order and a scramble of its own. Within a set the samples of a pixel are
+/// stratified, best in the first two dimensions; different sets are independent. Further Sobol
+/// dimensions would be stratified together only for far more samples than a pixel has.
 ///
 /// Source: B. Burley, "Practical Hash-based Owen Scrambling", Journal of Computer Graphics
 /// Techniques 9(4), 2020.
@@ -31,15 +31,16 @@ pub struct Sampler {
     sequence: Sequence,
     /// A hash of the seed and the pixel.
     key: u64,
-    /// The number of the sample with its bits reversed; 0 if numbers are independent.
+    /// The index of the sample with its bits reversed; 0 for independent numbers.
     index: u32,
 }
 
-/// The crate `sobol_burley` has sequences of this length; beyond it another scramble is used.
+/// Bits of the length of a sequence of the crate `sobol_burley`; longer ones continue with another
+/// scramble.
 const SEQUENCE_BITS: u32 = 16;
 
 impl Sampler {
-    /// The numbers of the `sample`-th path of a pixel.
+    /// Makes the sampler of the `sample`-th path of pixel `(x, y)`.
     #[must_use]
     pub fn new(sequence: Sequence, seed: u64, x: u32, y: u32, sample: u32) -> Self {
         let pixel = u64::from(x) | u64::from(y) << 32;
@@ -54,8 +55,8 @@ impl Sampler {
         }
     }
 
-    /// The numbers of one of the `parts` paths that this one is divided into. Those of all paths of a
-    /// pixel are even together, as of one that has so many times the samples.
+    /// Returns the sampler of one of the `parts` paths that this one is split into. The parts of
+    /// all samples of a pixel are stratified together, like `parts` times as many samples.
     #[must_use]
     pub(crate) fn part(&self, part: u32, parts: u32) -> Self {
         match self.sequence {
@@ -71,7 +72,11 @@ impl Sampler {
         }
     }
 
-    /// The `set`-th four numbers.
+    /// Returns the four numbers of a set. Each decision of a path needs a set of its own;
+    /// [`camera_ray`] consumes set 0. Numbers for a direction or point come first in a set, where
+    /// they are stratified best.
+    ///
+    /// [`camera_ray`]: crate::camera_ray
     #[must_use]
     pub fn set(&self, set: u32) -> [f32; 4] {
         let first = mix(self.key ^ mix(u64::from(set)));
@@ -84,18 +89,20 @@ impl Sampler {
     }
 }
 
-/// Four numbers of the Sobol point of an index with its bits reversed: the index is shuffled and each
-/// coordinate scrambled, both as Owen does. This is `sobol_burley::sample_4d` but for the two seeds.
+/// Returns four coordinates of a Sobol point, whose index has its bits reversed. The index is
+/// shuffled and each coordinate scrambled, both by Owen's method: `sobol_burley::sample_4d` with
+/// two seeds.
 fn scrambled(index: u32, shuffle: u32, scramble: u32) -> [f32; 4] {
     let seeds = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].map(|salt| scramble ^ salt);
     let points = Int4::from(sobol_point(owen_scramble_rev(index, shuffle)));
     owen_scramble_int4_rev(points, hash_int4(seeds.into())).reverse_bits().to_f32_norm()
 }
 
-/// The first four coordinates of a Sobol point, bits reversed, by the first 16 bits of its number.
+/// Returns the first four coordinates of a Sobol point, bits reversed, from the first 16 bits of
+/// its index.
 ///
-/// Coordinates are linear over the bits of the number, so those of four bits at a time are summed
-/// from a table instead of those of each bit.
+/// Coordinates are linear over the bits of the index, so a table of four bits at a time replaces a
+/// sum over single bits.
 #[inline]
 fn sobol_point(index: u32) -> [u32; 4] {
     let mut sum = [0; 4];
@@ -108,7 +115,7 @@ fn sobol_point(index: u32) -> [u32; 4] {
     sum
 }
 
-/// The four coordinates for each value of each four bits, from the highest.
+/// Coordinates for each value of each group of four bits, from the highest group.
 static SOBOL: LazyLock<[[[u32; 4]; 16]; 4]> = LazyLock::new(|| {
     let point = |place: usize, value: usize| {
         let index = (value as u32) << (28 - 4 * place);
@@ -143,9 +150,9 @@ mod tests {
     }
 
     #[test]
-    fn the_samples_of_a_pixel_are_even_in_every_set() {
+    fn the_samples_of_a_pixel_are_stratified_in_every_set() {
         for set in [0, 1, 2, 20, 500, 1 << 16] {
-            // Each box of area 1/64, of any shape, has one of 64 points.
+            // Each elementary interval of area 1/64 has one of 64 points.
             for rows in [1, 2, 4, 8, 16, 32, 64] {
                 let mut counts = vec![0; 64];
                 for sample in 0..64 {
@@ -159,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn the_parts_of_all_samples_are_even_together() {
+    fn the_parts_of_all_samples_are_stratified_together() {
         for (first, set) in [(0, 1), (64, 7), (65_472, 4)] {
             let mut counts = vec![0; 64];
             for sample in first..first + 16 {
@@ -175,7 +182,7 @@ mod tests {
 
     #[test]
     fn sets_are_not_correlated() {
-        // Were two sets in the same order, their numbers would fill one line of a plane.
+        // Two sets in the same order would fill one line of a plane.
         for [a, b] in [[0, 1], [1, 2], [1, 4], [2, 1 << 16]] {
             let numbers = |set| {
                 (0..4096).map(move |sample| {
@@ -184,7 +191,7 @@ mod tests {
             };
             let covariance: f32 =
                 numbers(a).zip(numbers(b)).map(|(x, y)| x * y).sum::<f32>() / 4096.0;
-            // Four deviations of the mean of 4096 products of independent numbers.
+            // Four standard deviations of the mean of 4096 products of independent numbers.
             assert!(covariance.abs() < 4.0 / 12.0 / 64.0, "sets {a} and {b}: {covariance}");
         }
     }

@@ -1,4 +1,4 @@
-//! How much light gets from a light source to a vertex of a path.
+//! Transmittance from a light source to a vertex of a path.
 
 use crate::context::Context;
 use crate::light::LightSource;
@@ -9,28 +9,29 @@ use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, SceneHit};
 use std::borrow::Cow;
 
-/// Where a shadow ray starts.
+/// The start of a shadow ray.
 pub(crate) enum Departure<'a> {
-    /// On a surface; the medium is what is behind it, if it is the wall of something.
+    /// A surface point. `medium` is the medium behind it, if it is the boundary of one.
     Surface { hit: &'a SceneHit, outgoing: Vec3, medium: Option<Medium> },
-    /// Inside of a medium.
+    /// A point inside of a medium.
     Inside(Vec3),
 }
 
-/// Where a shadow ray goes.
+/// The end of a shadow ray.
 pub(crate) struct Target<'a> {
-    /// Of unit length.
+    /// Direction to the light, of unit length.
     pub(crate) incoming: Vec3,
-    /// None is infinitely far away.
+    /// Point on the light; `None` for an environment.
     pub(crate) source: Option<&'a LightSource>,
-    /// How many borders of clouds it may pass: each is a segment of the path.
+    /// Number of borders of clouds that the ray may pass: each is a segment of the path.
     pub(crate) borders: u32,
 }
 
 impl Context<'_> {
-    /// The share of the light that arrives, and how many rays it took to know.
+    /// Returns the transmittance between both ends, and the number of rays traced.
     ///
-    /// What is partly opaque takes its part; clouds take what they absorb and scatter; all else blocks.
+    /// Surfaces of partial opacity attenuate light, clouds absorb it and scatter it away, and other
+    /// surfaces block it.
     pub(crate) fn visibility(
         &self,
         departure: &Departure<'_>,
@@ -38,14 +39,14 @@ impl Context<'_> {
         media: &Media,
     ) -> (Vec3, u64) {
         let incoming = target.incoming;
-        // Copied only where the way crosses a border.
+        // Copied only where the ray crosses a border.
         let mut media = Cow::Borrowed(media);
         let end = target.source.map(|source| source.end(incoming));
         let segment = |origin: Vec3| match (target.source, end) {
             (Some(source), Some(end)) => source.shadow_ray(end, origin),
             _ => Ray::new(origin, incoming),
         };
-        // What the last piece of the way lets through: none of it is in a medium without end.
+        // Transmittance of the last piece of the ray. An infinite piece is not inside of a medium.
         let last_piece = |media: &Media, origin: Vec3| match end {
             None => Vec3::ONE,
             Some(end) => media.transmittance(end.distance(origin)),

@@ -2,8 +2,8 @@
 
 /// A residue class of the samples of a picture: every `count`-th sample, from sample `index` on.
 ///
-/// The shards of one picture can be rendered on any machine at any time. [`crate::Film::merge`] joins
-/// their films to the film of an undivided render, bit for bit.
+/// The shards of one picture can be rendered on any machine at any time. [`crate::Film::merge`]
+/// joins their films to the film of an undivided render, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shard {
     /// Number of the shard, less than `count`.

@@ -3,15 +3,15 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The quantity that a picture shows. All views but the first two show the first surface of a camera
-/// ray.
+/// The quantity that a picture shows. All views but the first two show the first surface of a
+/// camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum View {
     /// Radiance, by path tracing.
     #[default]
     Path,
-    /// Radiance in a white furnace: every direction sends radiance 1 and nothing else emits. Surfaces
-    /// that conserve energy are white, and none is brighter.
+    /// Radiance in a white furnace: every direction sends radiance 1 and nothing else emits.
+    /// Surfaces that conserve energy are white, and none is brighter.
     Furnace,
     /// Surface colours lit by a lamp at the eye: a quick preview.
     Eyelight,
@@ -29,12 +29,13 @@ pub enum View {
     Element,
     /// A distinct colour for each instance.
     Instance,
-    /// Intersection method: blue for enhanced, orange for vanilla, grey for triangles, which have one.
+    /// Intersection method: blue for enhanced, orange for vanilla, grey for triangles, which have
+    /// one.
     Method,
     /// A distinct colour for each material.
     Material,
-    /// Error bound of the hit, in units of the roundoff of its largest coordinate: blue for none, green
-    /// for 31, red for 1023 and more, on a logarithmic scale.
+    /// Error bound of the hit, in units of the roundoff of its largest coordinate: blue for none,
+    /// green for 31, red for 1023 and more, on a logarithmic scale.
     Error,
 }
 

@@ -1,16 +1,16 @@
-//! Maps from the unit square to the shapes that samples are drawn from.
+//! Maps from the unit square to the domains that samples are taken from.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_4, TAU};
 
-/// A point of the unit disk, uniform by area; neighbours stay neighbours.
+/// Returns a point of the unit disk, uniform by area, by the concentric map.
 ///
 /// Source: P. Shirley, K. Chiu, "A low distortion map between disk and square", Journal of Graphics
 /// Tools 2(3), 1997.
 #[must_use]
 pub fn disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - 1.0;
-    // Selections and no branches, which nobody could foretell.
+    // Branch-free: the comparison is unpredictable.
     let wide = p.x.abs() > p.y.abs();
     let (radius, across) = if wide { (p.x, p.y) } else { (p.y, p.x) };
     let share = if radius == 0.0 { 0.0 } else { across / radius };
@@ -19,9 +19,10 @@ pub fn disk(u: Vec2) -> Vec2 {
     radius * Vec2::new(x, y)
 }
 
-/// Of an angle of at most π / 4, within 1e-7.
+/// Returns sine and cosine of an angle of at most π / 4, within 1e-7.
 ///
-/// Polynomials of least relative error (S. Moshier, "Methods and Programs for Mathematical Functions", 1989).
+/// Source: minimax polynomials of S. Moshier, "Methods and Programs for Mathematical Functions",
+/// 1989.
 fn sine_and_cosine(angle: f32) -> (f32, f32) {
     let square = angle * angle;
     let s = (-1.951_529_6e-4 * square + 8.332_161e-3) * square - 1.666_665_5e-1;
@@ -29,15 +30,16 @@ fn sine_and_cosine(angle: f32) -> (f32, f32) {
     (s * square * angle + angle, c * square * square - 0.5 * square + 1.0)
 }
 
-/// A direction about +z with density `z / π` per solid angle.
+/// Returns a direction about +z with density `z / π` per solid angle.
 #[must_use]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
-    // The map to the disk takes squares to circles: so the root need not wait for it.
+    // The concentric map takes squares to circles, so the radius is known before the map is
+    // evaluated.
     let radius = (2.0 * u - 1.0).abs().max_element();
     disk(u).extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
 }
 
-/// A direction with density `1 / 4π` per solid angle.
+/// Returns a direction with density `1 / 4π` per solid angle.
 #[must_use]
 pub fn sphere(u: Vec2) -> Vec3 {
     let z = 1.0 - 2.0 * u.x;
@@ -46,7 +48,7 @@ pub fn sphere(u: Vec2) -> Vec3 {
     (radius * Vec2::from_angle(TAU * u.y)).extend(z)
 }
 
-/// Barycentric weights of the second and third corner of a triangle, uniform by area.
+/// Returns the barycentric weights of the second and third corner of a triangle, uniform by area.
 ///
 /// Source: E. Heitz, "A low-distortion map between triangle and square", 2019.
 #[must_use]

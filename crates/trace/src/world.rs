@@ -10,8 +10,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A scene, the trees that rays are traced with, and the tables that lights are sampled with.
 ///
-/// [`Self::render`] and [`Self::layers`] make pictures of it. An integrator of one's own traces rays by
-/// [`Self::closest`] and [`Self::any`], samples [`Self::lights`], and fills a [`crate::Film`].
+/// [`Self::render`] and [`Self::layers`] make pictures of it. An integrator of one's own traces
+/// rays by [`Self::closest`] and [`Self::any`], samples [`Self::lights`], and fills a
+/// [`crate::Film`].
 ///
 /// A world borrows its scene, so it always fits. After an edit of the scene, make a new world: from
 /// nothing by [`Self::new`], or by [`Self::from_parts`] with trees that were refitted.
@@ -37,9 +38,9 @@ impl<'a> World<'a> {
         Ok(Self::assemble(scene, Cow::Owned(trees), Cow::Owned(lights)))
     }
 
-    /// Puts a world together from trees and lights that exist already. They must have been built from
-    /// this scene, or refitted to it; those of another scene give wrong pictures, or panics at indices that
-    /// are out of range.
+    /// Puts a world together from trees and lights that exist already. They must have been built
+    /// from this scene, or refitted to it; those of another scene give wrong pictures, or panics at
+    /// indices that are out of range.
     ///
     /// # Errors
     ///
@@ -118,7 +119,7 @@ impl<'a> World<'a> {
         }
         // The memory of another camera's is free before that of this one is taken.
         *kept = None;
-        let near = Arc::new(Near::new(self.scene, camera, origin)?);
+        let near = Arc::new(Near::new(self.scene, &self.trees, camera, origin)?);
         *kept = Some(Arc::clone(&near));
         Ok(Some(near))
     }

@@ -52,8 +52,8 @@ fn no_surface_gains_energy() {
     }
 }
 
-/// Where the coat and a base weighted by the Fresnel term of the normal would together gain most: of a
-/// base that reflects all, up to 0.07 %.
+/// Where the coat and a base weighted by the Fresnel term of the normal would together gain most:
+/// of a base that reflects all, up to 0.07 %.
 #[test]
 fn a_coat_over_a_white_base_gains_no_energy_at_its_worst() {
     for (ior, alpha) in
@@ -83,8 +83,8 @@ fn smooth_surfaces_lose_no_energy() {
     }
 }
 
-/// The samples against a quadrature of the model written out once more, in `f64`, from the documented
-/// formulas: D, the separable G, and Fresnel's reflectances.
+/// The samples against a quadrature of the model written out once more, in `f64`, from the
+/// documented formulas: D, the separable G, and Fresnel's reflectances.
 #[test]
 fn rough_surfaces_return_what_a_quadrature_of_the_model_says() {
     for (kind, alpha, cosine) in cases() {
@@ -127,8 +127,8 @@ mod model {
         2.0 / (1.0 + (1.0 + alpha * alpha * tangent2).sqrt())
     }
 
-    /// `∫ D(h) G1(o) G1(i) F |o·h| / |o·n| dh`, over facets that reflect and facets that refract: the
-    /// Jacobians of both turn the integral over incoming directions into this one.
+    /// `∫ D(h) G1(o) G1(i) F |o·h| / |o·n| dh`, over facets that reflect and facets that refract:
+    /// the Jacobians of both turn the integral over incoming directions into this one.
     pub(super) fn albedo(kind: MaterialKind, alpha: f64, cosine: f64) -> f64 {
         const STEPS: usize = 800;
         const TURNS: usize = 200;

@@ -82,7 +82,8 @@ fn an_interruption_after_every_batch_loses_nothing() {
         while film.samples() < LARGER.samples {
             let first = film.samples_at(0, 0).expect("a pixel");
             uneven += u32::from(first > film.samples());
-            // The image is right where a pass was interrupted: pixels are means of their own samples.
+            // The image is right where a pass was interrupted: pixels are means of their own
+            // samples.
             let image = film.image();
             let done = film.samples() > 0;
             assert!(image.pixels.iter().all(|p| p[3] == 1.0 || !done && p[3] == 0.0));

@@ -1,4 +1,5 @@
-//! What the lobes are made of: facets and phase functions are drawn with the densities that they state.
+//! What the lobes are made of: facets and phase functions are drawn with the densities that they
+//! state.
 
 mod support;
 
@@ -13,8 +14,8 @@ const CELLS: usize = 24;
 /// In each direction of a cell.
 const STEPS: usize = 16;
 
-/// Holds samples to a density over the unit square. `place` maps a sample to it; `density` is that of
-/// the samples per area of the square.
+/// Holds samples to a density over the unit square. `place` maps a sample to it; `density` is that
+/// of the samples per area of the square.
 fn assert_drawn(
     why: &str,
     sample: impl Fn(Vec2) -> Vec3,

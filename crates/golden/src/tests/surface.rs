@@ -1,27 +1,28 @@
-//! Faults of single rays: without noise, each is caught for sure.
+//! Faults of single rays: without noise, each one is found.
 
 use super::{case, reference};
-use crate::cases;
-use crate::moments::{Moments, Plan, Subject};
-use crate::surface::{Probe, Surface};
-use crate::verdict::{Check, Finding};
+use crate::case::of_folder;
+use crate::check::{Check, Finding};
+use crate::probe::Probe;
+use crate::subject::{Plan, Subject};
+use crate::surface::Surface;
 use glam::{Vec2, Vec3};
 use rotund_bvh::Isa;
 use rotund_scene::{Elements, Scene};
 use rotund_trace::Sequence;
 
-/// Every ray of a picture, so that a fault can be put into one of them.
+/// Results of all rays of a picture, so that a fault can be planted in one of them.
 struct Rays {
     width: usize,
     height: usize,
-    /// Sixteen for each pixel.
+    /// Sixteen per pixel.
     probes: Vec<Probe>,
 }
 
 impl Rays {
     fn of(name: &str) -> Self {
         let Surface { width, height, .. } = reference(name).surface;
-        let subject = Subject::new(case(name).load().unwrap(), Isa::default_set()).unwrap();
+        let subject = Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
         let probes = std::sync::Mutex::new(vec![Probe::default(); 16 * width * height]);
         Surface::measure(width, height, |uv, ray| {
             let probe = subject.probe(uv, ray);
@@ -31,7 +32,7 @@ impl Rays {
         Self { width, height, probes: probes.into_inner().unwrap() }
     }
 
-    /// What is found with a fault in one ray of a pixel.
+    /// Returns the findings with a fault in one ray.
     fn with_fault(&self, name: &str, at: usize, fault: impl Fn(&mut Probe) + Sync) -> Vec<Finding> {
         let surface = Surface::measure(self.width, self.height, |uv, ray| {
             let i = index(uv, ray, self.width, self.height);
@@ -50,12 +51,12 @@ fn index(uv: Vec2, ray: usize, width: usize, height: usize) -> usize {
     16 * (y * width + x) + ray
 }
 
-/// What is found in a scene that was tampered with.
+/// Returns the findings in a modified scene.
 fn tampered(name: &str, tamper: impl FnOnce(&mut Scene)) -> Vec<Finding> {
     let expected = reference(name).surface;
     let mut scene = case(name).load().unwrap();
     tamper(&mut scene);
-    let subject = Subject::new(scene, Isa::default_set()).unwrap();
+    let subject = Subject::new(name, scene, Isa::default_set()).unwrap();
     subject.surface(expected.width as u32, expected.height as u32).compare(&expected)
 }
 
@@ -86,7 +87,7 @@ fn one_ray_that_goes_wrong_is_caught_in_any_pixel_of_every_kind_of_picture() {
         let hits: Vec<usize> =
             (0..rays.probes.len()).filter(|&i| rays.probes[i].crossings > 0).collect();
         for (number, (why, check, fault)) in faults.into_iter().enumerate() {
-            // Not the same ray and pixel for each, and none twice.
+            // Each fault is in another ray and pixel.
             let at = hits[hits.len() * (2 * number + 1) / (2 * faults.len())];
             let (x, y) = (at / 16 % rays.width, at / 16 / rays.width);
             let findings = rays.with_fault(name, at, fault);
@@ -156,14 +157,14 @@ fn a_missing_quad_is_caught() {
 
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
-    for case in cases::of_workspace(&super::folder()).unwrap() {
+    for case in of_folder(&super::folder()).unwrap() {
         let mut pictures = Vec::new();
         for isa in Isa::available() {
-            let subject = Subject::new(case.load().unwrap(), isa).unwrap();
+            let subject = Subject::new(&case.name, case.load().unwrap(), isa).unwrap();
             let (width, height) = subject.scene.cameras[0].resolution(48);
             let sequence = Sequence::Sobol;
             let plan = Plan { width, height, bounces: 8, samples: 2, sequence };
-            let light = Moments::measure(&subject, &plan, 1, 5).unwrap();
+            let light = subject.measure(&plan, 1, 5).unwrap();
             pictures.push((isa, light, subject.surface(width, height)));
         }
         let (_, light, surface) = &pictures[0];
@@ -177,9 +178,9 @@ fn every_instruction_set_gives_the_same_bits() {
 
 #[test]
 fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
-    // One ball in front of the camera: each ray goes in and out.
-    let subject =
-        Subject::new(case("materials-enhanced").load().unwrap(), Isa::default_set()).unwrap();
+    // One ball in front of the camera: each ray enters and leaves it.
+    let name = "materials-enhanced";
+    let subject = Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
     let ball = subject.scene.instances[1].world_from_object.translation;
     let camera = subject.scene.cameras[0].world_from_camera;
     let to_ball = camera.inverse().transform_point3(ball.into());

@@ -9,9 +9,9 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 
-/// Upper bound on the compression ratio of all formats. Deflate, in PNG and EXR, reaches 1032. In JPEG, a
-/// block of 64 samples takes at least one bit, and chroma subsampled four-fold makes that 1365 bytes
-/// from one.
+/// Upper bound on the compression ratio of all formats. Deflate, in PNG and EXR, reaches 1032. In
+/// JPEG, a block of 64 samples takes at least one bit, and chroma subsampled four-fold makes that
+/// 1365 bytes from one.
 const MAX_COMPRESSION: u64 = 1400;
 
 /// Largest number of pixels: 16,384 x 16,384.
@@ -66,14 +66,15 @@ impl From<Decoded> for Image {
     }
 }
 
-/// Decodes an image file in memory. The bytes need not be trusted: an image that claims more pixels than
-/// a file of this length can hold is refused before memory is allocated for it.
+/// Decodes an image file in memory. The bytes need not be trusted: an image that claims more pixels
+/// than a file of this length can hold is refused before memory is allocated for it.
 ///
 /// An EXR file with a lone channel, or with a channel `Y` but none named `R`, becomes grey.
 ///
 /// # Errors
 ///
-/// If the bytes are no image in this format, are damaged or cut short, or have more than 2^28 pixels.
+/// If the bytes are no image in this format, are damaged or cut short, or have more than 2^28
+/// pixels.
 pub fn decode(bytes: &[u8], format: Format) -> Result<Decoded, DecodeError> {
     let decoded = match format {
         Format::Png => decode_with_image(bytes, ImageFormat::Png),

@@ -14,8 +14,8 @@ use std::io::{Cursor, Seek, Write};
 /// Quality of JPEG files, of 100.
 const JPEG_QUALITY: u8 = 92;
 
-/// The encoding of EXR files: lossless, with tiles in increasing order. In any other order, tiles are
-/// written as threads finish them, and the bytes of a file would differ from run to run.
+/// The encoding of EXR files: lossless, with tiles in increasing order. In any other order, tiles
+/// are written as threads finish them, and the bytes of a file would differ from run to run.
 pub const EXR_ENCODING: Encoding =
     Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
 

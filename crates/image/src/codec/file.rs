@@ -19,8 +19,8 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// If the file cannot be read, is in no such format or is damaged, or claims a size that it cannot
-    /// hold.
+    /// If the file cannot be read, is in no such format or is damaged, or claims a size that it
+    /// cannot hold.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         let path = path.as_ref();
         let named = Format::from_path(path)
@@ -44,8 +44,8 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// If the name has another extension, the image is not `width * height` pixels or has none, or the
-    /// file cannot be written.
+    /// If the name has another extension, the image is not `width * height` pixels or has none, or
+    /// the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let format = Format::from_path(path)
@@ -54,9 +54,9 @@ impl Image {
     }
 }
 
-/// Writes a file under a temporary name in the same folder and renames it when it is complete, so that
-/// a reader sees the old content or the new, and a failure leaves nothing behind. `encode` writes the
-/// content; files of any kind can be written this way.
+/// Writes a file under a temporary name in the same folder and renames it when it is complete, so
+/// that a reader sees the old content or the new, and a failure leaves nothing behind. `encode`
+/// writes the content; files of any kind can be written this way.
 ///
 /// # Errors
 ///
@@ -74,7 +74,8 @@ pub fn write_with<E: Into<Box<dyn Error + Send + Sync>>>(
     let encode_error = |source| WriteError::Encode { path: path.into(), source };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".rotund-").suffix(".part");
-    // A temporary file is readable by its owner alone by default; an image gets the usual permissions.
+    // A temporary file is readable by its owner alone by default; an image gets the usual
+    // permissions.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let temporary = builder.tempfile_in(folder).map_err(create)?;

@@ -1,24 +1,23 @@
-//! Where two pictures differ most.
+//! The windows in which two pictures differ most.
 
 use rotund_image::Plane;
 
 /// A rectangle of pixels and the mean error in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crop {
-    pub x: usize,
-    pub y: usize,
-    pub width: usize,
-    pub height: usize,
-    pub error: f64,
+pub(super) struct Crop {
+    pub(super) x: usize,
+    pub(super) y: usize,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) error: f64,
 }
 
-/// Windows with less mean error than this are not worth a look: a hundredth of what is visible at
-/// all times would be noise.
+/// Windows with a smaller mean error than this are not shown, because they would show noise.
 const SMALLEST_ERROR: f64 = 0.002;
 
-/// Finds up to `count` windows of `width` by `height` pixels, or as large as fits, with the largest
-/// mean of `error`, worst first. They do not overlap.
-pub fn worst(error: &Plane, width: usize, height: usize, count: usize) -> Vec<Crop> {
+/// Returns up to `count` windows with the largest mean of `error`, worst first. They have `width`
+/// by `height` pixels, or as many as fit, and do not overlap.
+pub(super) fn worst(error: &Plane, width: usize, height: usize, count: usize) -> Vec<Crop> {
     let (width, height) = (width.min(error.width), height.min(error.height));
     let sums = SummedArea::new(error);
     let mut candidates = Vec::new();
@@ -46,7 +45,7 @@ pub fn worst(error: &Plane, width: usize, height: usize, count: usize) -> Vec<Cr
     crops
 }
 
-/// Every fourth position, and the last.
+/// Returns every fourth position, and the last.
 fn steps(last: usize) -> impl Iterator<Item = usize> {
     (0..last).step_by(4).chain([last])
 }

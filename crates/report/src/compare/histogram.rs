@@ -1,4 +1,4 @@
-//! How often each value occurs, as a drawing in SVG.
+//! Histograms in SVG.
 
 use rotund_image::{Image, Plane, luminance, srgb_from_linear};
 
@@ -8,8 +8,8 @@ const SIZE: (f64, f64) = (600.0, 200.0);
 const FOOT: f64 = 24.0;
 const SIDE: f64 = 56.0;
 
-/// The lightness of all pixels of two pictures, as a screen shows it, from black to white.
-pub fn of_lightness(vanilla: &Image, enhanced: &Image) -> String {
+/// Draws the histograms of the sRGB lightness of two pictures, from black to white.
+pub(super) fn of_lightness(vanilla: &Image, enhanced: &Image) -> String {
     let lightness = |picture: &Image| {
         let shown = |&pixel| f64::from(srgb_from_linear(luminance(pixel)));
         count(picture.pixels.iter().map(shown))
@@ -18,32 +18,34 @@ pub fn of_lightness(vanilla: &Image, enhanced: &Image) -> String {
     draw(&curves, ["0", "0.5", "1"])
 }
 
-/// The FLIP error of all pixels.
-pub fn of_flip(flip: &Plane) -> String {
+/// Draws the histogram of the FLIP error of all pixels.
+pub(super) fn of_flip(flip: &Plane) -> String {
     draw(&[("flip", count(flip.values.iter().map(|&value| f64::from(value))))], ["0", "0.5", "1"])
 }
 
-/// How many values fall into each of [`BINS`] parts of `0.0..=1.0`.
+/// Returns the number of values in each of [`BINS`] parts of `0.0..=1.0`.
 fn count(values: impl Iterator<Item = f64>) -> [u32; BINS] {
     let mut bins = [0; BINS];
     for value in values {
-        // A NaN goes to the first: the cast makes it 0.
+        // The cast of a NaN gives 0, so it counts in the first bin.
         bins[((value * BINS as f64) as usize).min(BINS - 1)] += 1;
     }
     bins
 }
 
-/// Steps over the bins, on a logarithmic scale of counts, so that few pixels are seen beside many.
+/// Draws steps over the bins. The scale of counts is logarithmic, so that few pixels are visible
+/// beside many.
 fn draw(curves: &[(&str, [u32; BINS])], ticks: [&str; 3]) -> String {
     let (width, height) = SIZE;
     let most = curves.iter().flat_map(|(_, bins)| bins).copied().max().unwrap_or(0).max(1);
     let level = |count: u32| height * (1.0 - f64::from(count).ln_1p() / f64::from(most).ln_1p());
     let mut svg = format!(
-        "<svg class=\"histogram\" viewBox=\"-{SIDE} -8 {} {}\" role=\"img\" aria-label=\"Histogram\">",
+        "<svg class=\"histogram\" viewBox=\"-{SIDE} -8 {} {}\" role=\"img\" \
+         aria-label=\"Histogram\">",
         SIDE + width + 4.0,
         height + FOOT + 8.0
     );
-    // Powers of ten: how many pixels.
+    // Grid lines at powers of ten.
     let mut power = 1_u32;
     while power <= most {
         let y = level(power);
@@ -83,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_histogram_of_nothing_is_still_a_drawing() {
+    fn an_empty_histogram_is_a_complete_drawing() {
         let svg = of_flip(&Plane { width: 0, height: 0, values: Vec::new() });
         assert!(
             svg.starts_with("<svg") && svg.ends_with("</svg>") && !svg.contains("NaN"),

@@ -1,23 +1,29 @@
-//! `index.html`: several comparisons on one page, with links to the page of each.
+//! The page about several comparisons, with a link to the page of each.
 
-use super::{STYLE, Timing, escape, fill};
+use super::{STYLE, Timing, fill};
 use crate::embed;
+use crate::html::escape;
 use rotund_image::{Difference, EncodeError, Image};
 
 const PAGE: &str = include_str!("index.html");
 
-/// What the page says of one scene, whose report lies in a folder of its name.
+/// The part of the page about one scene. The page of its comparison is `SCENE/report.html` beside
+/// it.
 #[derive(Clone, Debug)]
 pub struct Entry {
+    /// Name of the scene, and of the folder of its comparison.
     pub scene: String,
     card: String,
     row: String,
 }
 
 impl Entry {
+    /// Describes the comparison of a vanilla and an enhanced picture, of which `settings` names
+    /// camera, size and so on.
+    ///
     /// # Errors
     ///
-    /// Only if an image cannot be encoded.
+    /// If a picture has no pixels.
     pub fn new(
         scene: &str,
         settings: &str,
@@ -30,7 +36,8 @@ impl Entry {
         let m = &difference.metrics;
         let card = format!(
             "<article><a href=\"{link}\"><div class=\"pair\">\
-             <img src=\"{}\" alt=\"{name}, vanilla\"><img src=\"{}\" alt=\"{name}, enhanced\"></div>\
+             <img src=\"{}\" alt=\"{name}, vanilla\"><img src=\"{}\" alt=\"{name}, enhanced\">\
+             </div>\
              <h2>{name}</h2></a>\n<p class=\"settings\">{}</p>\n\
              <p>FLIP {:.4}, {:.1} % of the pixels changed, {:+.2} % light</p></article>\n",
             embed::thumbnail(vanilla)?,
@@ -51,7 +58,7 @@ impl Entry {
     }
 }
 
-/// The text of the page.
+/// Returns the page.
 #[must_use]
 pub fn page(entries: &[Entry]) -> String {
     let join = |part: fn(&Entry) -> &str| entries.iter().map(part).collect::<String>();
@@ -67,7 +74,7 @@ pub fn page(entries: &[Entry]) -> String {
     )
 }
 
-/// A name as a part of a URL.
+/// Returns a name as a part of a URL.
 fn percent_encoded(name: &str) -> String {
     let encode = |byte: u8| {
         if byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte) {
@@ -84,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_links_to_each_report_and_asks_for_nothing_else() {
+    fn the_page_links_to_each_report_and_loads_nothing() {
         let picture = |value: f32| Image::from_fn(8, 4, |_, _| [value; 4]);
         let pictures = [picture(0.2), picture(0.4)];
         let difference = Difference::between(&pictures[1], &pictures[0]).unwrap();

@@ -1,6 +1,8 @@
-//! `report.html`: two pictures and their difference on one page that needs nothing else.
+//! The page about two renders of a scene: a slider over both pictures, their difference, and
+//! numbers.
 
 use crate::embed;
+use crate::html::escape;
 use crops::Crop;
 use rotund_image::{Difference, EncodeError, Image, Metrics, maps};
 
@@ -16,55 +18,58 @@ const SCRIPT: &str = include_str!("script.js");
 const CROP: (usize, usize) = (44, 33);
 const CROP_COUNT: usize = 6;
 
-/// What a page shows.
+/// The content of a page.
 #[derive(Debug)]
 pub struct Report<'a> {
-    /// The heading.
+    /// Heading of the page.
     pub scene: &'a str,
-    /// Camera, size and so on, in words.
+    /// Camera, size, samples and so on, in words.
     pub settings: &'a str,
-    /// The picture on the left of the slider.
+    /// Picture on the left of the slider.
     pub vanilla: &'a Image,
-    /// The picture on the right.
+    /// Picture on the right of the slider.
     pub enhanced: &'a Image,
-    /// `enhanced` against `vanilla`.
+    /// Difference of `enhanced` from `vanilla`.
     pub difference: &'a Difference,
     /// Rows of numbers about the two renders.
     pub timings: &'a [Timing],
-    /// What becomes of the comparison if both take equal time instead of equal samples.
+    /// Comparison at equal time instead of equal samples, if there is one.
     pub equal_time: Option<EqualTime<'a>>,
 }
 
 /// A picture of the faster method that took as long as the other one.
 #[derive(Clone, Copy, Debug)]
 pub struct EqualTime<'a> {
-    /// The name of the faster method.
+    /// Name of the faster method.
     pub faster: &'static str,
-    /// What it makes of the time.
+    /// Picture of the faster method, with more samples.
     pub picture: &'a Image,
-    /// Of the slower method and of the faster one.
+    /// Samples of the slower method and of the faster one.
     pub samples: [u32; 2],
-    /// Of the slower method and of the faster one.
+    /// Seconds of the slower method and of the faster one.
     pub seconds: [f64; 2],
-    /// Enhanced against vanilla at equal time.
+    /// Differences of enhanced from vanilla at equal time.
     pub metrics: Metrics,
 }
 
 /// One number about each of the two renders.
 #[derive(Clone, Debug)]
 pub struct Timing {
+    /// Name of the number, with its unit.
     pub label: &'static str,
+    /// Value of the vanilla render.
     pub vanilla: f64,
+    /// Value of the enhanced render.
     pub enhanced: f64,
-    /// Digits after the decimal point.
+    /// Number of digits after the decimal point.
     pub digits: usize,
 }
 
-/// The text of the page.
+/// Returns the page.
 ///
 /// # Errors
 ///
-/// Only if an image cannot be encoded.
+/// If a picture has no pixels.
 pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
     let Report { vanilla, enhanced, difference, .. } = report;
     let worst = crops::worst(&difference.flip, CROP.0, CROP.1, CROP_COUNT);
@@ -116,11 +121,11 @@ pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
 }
 
 /// Replaces each `{{name}}` of `template` once, from left to right, so that text that is filled in
-/// is never read as a template.
+/// is never interpreted as a template.
 ///
 /// # Panics
 ///
-/// If the template names a value that is not there: template and code are one program.
+/// If the template names a value that is missing: the templates are part of this program.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut parts = template.split("{{");
     let mut text = parts.next().unwrap_or_default().to_owned();
@@ -133,12 +138,7 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
     text
 }
 
-/// Text as HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// The pictures that lie over each other in the slider.
+/// Returns the pictures that the slider shows over each other.
 fn pictures(
     vanilla: &Image,
     enhanced: &Image,
@@ -169,15 +169,15 @@ fn pictures(
     Ok(html)
 }
 
-/// Switches between equal samples and equal time.
+/// Returns the buttons that switch between equal samples and equal time.
 fn choice(equal_time: &EqualTime<'_>) -> String {
     let EqualTime { faster, samples: [fewer, more], seconds: [slow, fast], .. } = equal_time;
     let slower = if *faster == "vanilla" { "enhanced" } else { "vanilla" };
     format!(
         "<fieldset class=\"choice\"><legend>The two pictures have</legend>\n\
          <label><input type=\"radio\" name=\"equal\" checked> equal samples: {fewer}</label>\n\
-         <label><input type=\"radio\" name=\"equal\" id=\"equal-time\"> equal time: {slower} {fewer} \
-         samples in {slow:.1} s, {faster} {more} in {fast:.1} s</label>\n</fieldset>"
+         <label><input type=\"radio\" name=\"equal\" id=\"equal-time\"> equal time: {slower} \
+         {fewer} samples in {slow:.1} s, {faster} {more} in {fast:.1} s</label>\n</fieldset>"
     )
 }
 
@@ -228,12 +228,13 @@ fn map_figure(
     )
 }
 
-/// Numbered frames where the crops are.
+/// Returns numbered frames at the places of the crops.
 fn marks(crops: &[Crop], width: u32, height: u32) -> String {
     let percent = |part: usize, whole: u32| 100.0 * part as f64 / f64::from(whole);
     let mark = |(index, crop): (usize, &Crop)| {
         format!(
-            "<span class=\"mark\" style=\"left: {:.2}%; top: {:.2}%; width: {:.2}%; height: {:.2}%\">{}</span>",
+            "<span class=\"mark\" style=\"left: {:.2}%; top: {:.2}%; width: {:.2}%; height: \
+             {:.2}%\">{}</span>",
             percent(crop.x, width),
             percent(crop.y, height),
             percent(crop.width, width),
@@ -254,7 +255,7 @@ fn metrics_table(difference: &Difference, equal_time: Option<&EqualTime<'_>>) ->
         ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", |m| m.rmse),
         ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", |m| m.rel_mse),
         ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", |m| m.rel_mse_trimmed),
-        ("flip_mean", "0: same for the eye, 1: as different as can be", |m| m.flip_mean),
+        ("flip_mean", "0: no visible difference, 1: the largest possible", |m| m.flip_mean),
         ("changed_fraction", "pixels that differ by more than two steps of 8-bit sRGB", |m| {
             m.changed_fraction
         }),

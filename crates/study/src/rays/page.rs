@@ -1,31 +1,34 @@
-//! The page of `rays`: bars of speed, and a picture of what each pixel costs.
+//! The page of `rays`: bars of speed, and a picture of the traversal cost of each pixel.
 
 use super::recipe::SIDE;
 use super::{Row, Sheet};
 use anyhow::Result;
-use base64::Engine as _;
-use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
+use rotund_image::Image;
+use rotund_report::embed::exact;
+use rotund_report::html::{self, escape};
 use std::fmt::Write as _;
 
 const STYLE: &str = "\
-body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}
-h2{margin-top:3rem}table{border-collapse:collapse;width:100%}td,th{padding:.25rem .5rem;text-align:right}
-td:first-child,th:first-child{text-align:left}.bars{width:50%}.bar{height:.7rem;margin:.1rem 0;background:#0072b2}
-.peer{background:#8a8f98}img{width:100%;max-width:32rem;image-rendering:pixelated}figure{margin:1rem 0}";
+body { max-width: 60rem; }
+table { width: 100%; }
+th.bars { width: 50%; }
+.bar { height: .7rem; margin: .1rem 0; background: #0072b2; }
+.peer { background: #8a8f98; }
+figure { margin: 1rem 0; }
+figure img { width: 100%; max-width: 32rem; image-rendering: pixelated; }
+";
 
-/// One file that opens offline.
+/// Returns one file that opens offline.
 pub(super) fn page(sheets: &[Sheet]) -> Result<String> {
-    let mut html = format!(
-        "<!doctype html><html lang=en><meta charset=utf-8><title>Rays per second</title>\
-         <style>{STYLE}</style><h1>Rays per second</h1>\
-         <p>Single rays. On one thread, millions per CPU second; on all, per elapsed second. The bar of this \
-         library is blue, that of the peer gray.</p>"
+    let title = "Rays per second";
+    let mut body = format!(
+        "<h1>{title}</h1><p>Single rays. On one thread, millions per CPU second; on all, per elapsed second. \
+         The bar of this library is blue, that of the peer gray.</p>"
     );
     for sheet in sheets {
-        section(&mut html, sheet)?;
+        section(&mut body, sheet)?;
     }
-    html.push_str("</html>\n");
-    Ok(html)
+    Ok(html::page(title, STYLE, &body))
 }
 
 fn section(html: &mut String, sheet: &Sheet) -> Result<()> {
@@ -51,12 +54,12 @@ fn section(html: &mut String, sheet: &Sheet) -> Result<()> {
     for row in &sheet.rows {
         bar(html, row, most)?;
     }
-    let picture = base64::engine::general_purpose::STANDARD.encode(cost_picture(&sheet.visits)?);
+    let picture = exact(&cost_picture(&sheet.visits))?;
     let mean =
         sheet.visits.iter().map(|&v| f64::from(v)).sum::<f64>() / sheet.visits.len().max(1) as f64;
     write!(
         html,
-        "</table><figure><img alt='cost per pixel' src='data:image/png;base64,{picture}'><figcaption>Nodes and \
+        "</table><figure><img alt='cost per pixel' src='{picture}'><figcaption>Nodes and \
          primitives that each pixel looks at: {mean:.0} on average, from black (none) to light yellow \
          ({} or more).</figcaption></figure>",
         brightest(&sheet.visits)
@@ -84,28 +87,18 @@ fn bar(html: &mut String, row: &Row, most: f64) -> Result<()> {
     Ok(())
 }
 
-/// The count that is drawn brightest: few pixels have more.
+/// Returns the count that is drawn brightest: the 99th percentile.
 fn brightest(visits: &[u32]) -> u32 {
     let mut sorted = visits.to_vec();
     sorted.sort_unstable();
     sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1).max(1)
 }
 
-fn cost_picture(visits: &[u32]) -> Result<Vec<u8>> {
+fn cost_picture(visits: &[u32]) -> Image {
     let most = f64::from(brightest(visits));
-    let pixels: Vec<u8> = visits
-        .iter()
-        .flat_map(|&count| {
-            let color = colorous::INFERNO.eval_continuous((f64::from(count) / most).min(1.0));
-            [color.r, color.g, color.b]
-        })
-        .collect();
-    let mut png = Vec::new();
-    let (side, color) = (SIDE as u32, ExtendedColorType::Rgb8);
-    PngEncoder::new(&mut png).write_image(&pixels, side, side, color)?;
-    Ok(png)
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
+    let side = SIDE as u32;
+    Image::from_srgb_fn(side, side, |x, y| {
+        let count = visits[y as usize * SIDE + x as usize];
+        colorous::INFERNO.eval_continuous((f64::from(count) / most).min(1.0)).as_array()
+    })
 }

@@ -1,54 +1,28 @@
 //! The benchmark scenes and rays, bit for bit.
 //!
-//! Only `+ - * /` and square roots of `f32` and `f64`, so any program can make the same bits; the
-//! hashes say whether it did.
+//! They need only `+ - * /` and square roots of `f32` and `f64`, so any program can generate the
+//! same bits; the hashes verify that.
 
+use crate::random::Random;
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, glam::Vec3};
 
-/// SplitMix64, started from its seed.
-pub(super) struct Random(u64);
-
-impl Random {
-    pub(super) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// 24 bits of `0.0..1.0`.
-    fn single(&mut self) -> f32 {
-        (self.next() >> 40) as f32 * 2f32.powi(-24)
-    }
-
-    /// 53 bits of `0.0..1.0`.
-    fn double(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * 2f64.powi(-53)
-    }
-
-    /// A unit vector, by rejection.
-    fn unit(&mut self) -> Vector {
-        loop {
-            let [x, y, z] = [(); 3].map(|()| 2.0 * self.double() - 1.0);
-            let square = x * x + y * y + z * z;
-            if square > 1e-4 && square <= 1.0 {
-                let length = square.sqrt();
-                return Vector([x / length, y / length, z / length]);
-            }
-        }
-    }
-}
-
-/// Three doubles whose products are summed from left to right.
+/// A vector of `f64` whose products are summed from left to right.
 #[derive(Clone, Copy)]
 struct Vector([f64; 3]);
 
 impl Vector {
+    /// Returns a random unit vector, by rejection.
+    fn random_unit(random: &mut Random) -> Self {
+        loop {
+            let [x, y, z] = [(); 3].map(|()| 2.0 * random.unit() - 1.0);
+            let square = x * x + y * y + z * z;
+            if square > 1e-4 && square <= 1.0 {
+                let length = square.sqrt();
+                return Self([x / length, y / length, z / length]);
+            }
+        }
+    }
+
     fn from_single(v: Vec3) -> Self {
         Self(v.to_array().map(f64::from))
     }
@@ -108,13 +82,13 @@ impl Fnv {
     }
 }
 
-/// `count` balls in the unit cube, of `base * (0.5..1.5)` radius, and the hash of their numbers.
+/// Generates `count` spheres in the unit cube with radii of `base * (0.5..1.5)`, and their hash.
 pub(super) fn spheres(count: usize, seed: u64, base: f32) -> (Vec<Sphere>, u64) {
-    let (mut random, mut hash) = (Random::new(seed), Fnv::new());
+    let (mut random, mut hash) = (Random::from_state(seed), Fnv::new());
     let spheres = (0..count)
         .map(|_| {
-            let center = [(); 3].map(|()| random.single());
-            let radius = base * (0.5 + random.single());
+            let center = [(); 3].map(|()| random.unit_f32());
+            let radius = base * (0.5 + random.unit_f32());
             hash.add(&center);
             hash.add(&[radius]);
             Sphere { center: center.into(), radius }
@@ -123,14 +97,14 @@ pub(super) fn spheres(count: usize, seed: u64, base: f32) -> (Vec<Sphere>, u64) 
     (spheres, hash.0)
 }
 
-/// 20 segments in each of `fibres` tapering, curling fibres.
+/// Generates `fibres` tapering, curling fibres of 20 segments each, and their hash.
 pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
     const SEGMENTS: usize = 20;
-    let (mut random, mut hash) = (Random::new(2), Fnv::new());
+    let (mut random, mut hash) = (Random::from_state(2), Fnv::new());
     let mut cones = Vec::with_capacity(fibres * SEGMENTS);
     for _ in 0..fibres {
-        let mut p = Vector([(); 3].map(|()| random.double()));
-        let mut direction = random.unit();
+        let mut p = Vector([(); 3].map(|()| random.unit()));
+        let mut direction = Vector::random_unit(&mut random);
         let mut last: Option<(Vec3, f32)> = None;
         for k in 0..=SEGMENTS {
             let r = 0.0015 + (0.0003 - 0.0015) * (k as f64 / SEGMENTS as f64);
@@ -141,7 +115,7 @@ pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
                 cones.push(RoundedCone { p0, r0, p1, r1 });
             }
             last = Some((p1, r1));
-            let turn = random.unit();
+            let turn = Vector::random_unit(&mut random);
             direction = direction.plus(turn.times(0.5)).unit();
             p = p.plus(direction.times(0.01));
         }
@@ -149,19 +123,19 @@ pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
     (cones, hash.0)
 }
 
-/// A wavy, noisy sheet of `n * n` quads.
+/// Generates a wavy, noisy sheet of `n * n` quads, and its hash.
 pub(super) fn patches(n: usize) -> (Vec<BilinearPatch>, u64) {
     let wave = |t: f64| {
         let a = t - t.floor();
         8.0 * a * (1.0 - a) - 1.0
     };
-    let (mut random, mut hash) = (Random::new(3), Fnv::new());
+    let (mut random, mut hash) = (Random::from_state(3), Fnv::new());
     let cell = 1.0 / n as f64;
     let mut vertices = Vec::with_capacity((n + 1) * (n + 1));
     for j in 0..=n {
         for i in 0..=n {
             let (x, y) = (i as f64 * cell, j as f64 * cell);
-            let noise = 0.5 * cell * (2.0 * random.double() - 1.0);
+            let noise = 0.5 * cell * (2.0 * random.unit() - 1.0);
             let z = 0.03 * (wave(3.0 * x) * wave(3.0 * y)) + noise;
             let vertex = Vector([x, y, z]).single();
             hash.add(&vertex.to_array());
@@ -189,7 +163,7 @@ pub(super) struct Target {
 impl Target {
     pub(super) const UNIT: Self = Self { min: [0.0; 3], max: [1.0; 3] };
 
-    /// The box of points, which are vertices or centres: radii are left out.
+    /// Returns the box of points, which are vertices or centers: radii do not count.
     pub(super) fn around(points: impl Iterator<Item = Vec3>) -> Self {
         points.fold(Self { min: [1e30; 3], max: [-1e30; 3] }, |sum, p| {
             let p = Vector::from_single(p).0;
@@ -200,7 +174,7 @@ impl Target {
         })
     }
 
-    /// False if all points are the same, or one is not finite: then there is nothing to aim from.
+    /// Returns whether rays can be aimed: points differ, and all are finite.
     pub(super) fn has_volume(&self) -> bool {
         let diagonal = self.diagonal();
         diagonal > 0.0 && diagonal.is_finite()
@@ -215,10 +189,10 @@ impl Target {
     }
 }
 
-/// Pictures have this many pixels along a side.
+/// Pixels along a side of a picture.
 pub(super) const SIDE: usize = 1024;
 
-/// A ray through the middle of each pixel, row by row.
+/// Returns a ray through the center of each pixel, row by row.
 pub(super) fn primary(target: &Target) -> Vec<Ray> {
     let center = target.center();
     let eye = center.plus(Vector([0.6, 0.5, 0.7]).unit().times(0.8 * target.diagonal()));
@@ -237,12 +211,12 @@ pub(super) fn primary(target: &Target) -> Vec<Ray> {
         .collect()
 }
 
-/// From a random point of the box towards another.
+/// Returns rays from random points of the box towards others.
 pub(super) fn random(target: &Target, count: usize) -> Vec<Ray> {
-    let mut random = Random::new(103);
+    let mut random = Random::from_state(103);
     let size = Vector(target.max).minus(Vector(target.min));
     let mut point = || {
-        let at = Vector([(); 3].map(|()| random.double()));
+        let at = Vector([(); 3].map(|()| random.unit()));
         Vector(target.min).plus(at.map2(size, |a, b| a * b))
     };
     (0..count)
@@ -253,13 +227,13 @@ pub(super) fn random(target: &Target, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// Rays that leave the primary hits: a diffuse bounce, and a shadow ray to a light above.
+/// Returns rays that leave the primary hits: diffuse bounces, and shadow rays to a light above.
 pub(super) fn secondary(
     target: &Target,
     primary: &[Ray],
     closest: impl Fn(&Ray) -> Option<rotund_geometry::Hit>,
 ) -> (Vec<Ray>, Vec<Ray>) {
-    let (mut bounce, mut lamp) = (Random::new(101), Random::new(102));
+    let (mut bounce, mut lamp) = (Random::from_state(101), Random::from_state(102));
     let (center, diagonal) = (target.center().0, target.diagonal());
     let (mut diffuse, mut shadow) = (Vec::new(), Vec::new());
     for ray in primary {
@@ -270,13 +244,13 @@ pub(super) fn secondary(
             n = n.times(-1.0);
         }
         let p = o.plus(d.times(f64::from(hit.t))).plus(n.times(1e-5 * diagonal));
-        let mut w = n.plus(bounce.unit());
+        let mut w = n.plus(Vector::random_unit(&mut bounce));
         if w.dot(w) < 1e-12 {
             w = n;
         }
         diffuse.push(Ray::new(p.single(), w.unit().single()));
-        let x = center[0] + (lamp.double() - 0.5) * 0.5 * diagonal;
-        let y = center[1] + (lamp.double() - 0.5) * 0.5 * diagonal;
+        let x = center[0] + (lamp.unit() - 0.5) * 0.5 * diagonal;
+        let y = center[1] + (lamp.unit() - 0.5) * 0.5 * diagonal;
         let light = Vector([x, y, target.max[2] + 0.5 * diagonal]);
         let towards = Ray::new(p.single(), light.minus(p).single());
         shadow.push(Ray { t_max: 0.999, ..towards });

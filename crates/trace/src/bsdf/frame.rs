@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// Local coordinates whose +z is a given normal.
+/// Local coordinates whose +z axis is a normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     x: Vec3,
@@ -24,7 +24,8 @@ impl Frame {
         Vec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 
-    /// Keeps the length up to rounding: along a path of a thousand mirrors it may change by some 1e-6.
+    /// Rotates a vector. Rounding may change the length of a direction by some 1e-6 along a path of
+    /// a thousand mirrors.
     pub(crate) fn world_from_local(&self, v: Vec3) -> Vec3 {
         v.x * self.x + v.y * self.y + v.z * self.z
     }

@@ -1,17 +1,17 @@
-//! How much light a smooth boundary reflects, unpolarised.
+//! Fresnel reflectance of smooth boundaries for unpolarised light.
 
 use glam::Vec3;
 
-/// Reflectance of a boundary between dielectrics. `eta` is the index of refraction beyond the
-/// boundary over that on the side of the light, `cosine` that of the angle to the normal; its sign
-/// does not matter. It is 1 beyond the critical angle.
+/// Returns the reflectance of a boundary between dielectrics. `eta` is the index of refraction
+/// beyond the boundary over that on the side of the light, `cosine` the cosine of the angle to the
+/// normal, of either sign. Beyond the critical angle the reflectance is 1.
 #[must_use]
 pub fn dielectric(eta: f32, cosine: f32) -> f32 {
     let cosine = cosine.abs().min(1.0);
     let sine2 = (1.0 - cosine) * (1.0 + cosine);
     let transmitted2 = 1.0 - sine2 / (eta * eta);
     if transmitted2 <= 0.0 {
-        // Grazing a boundary that is none leaves 0 / 0.
+        // At grazing incidence and equal indices the formulas below are 0 / 0.
         return if eta == 1.0 { 0.0 } else { 1.0 };
     }
     let transmitted = transmitted2.sqrt();
@@ -20,8 +20,8 @@ pub fn dielectric(eta: f32, cosine: f32) -> f32 {
     0.5 * (perpendicular * perpendicular + parallel * parallel)
 }
 
-/// Reflectance of a conductor without absorption (k = 0) that reflects `color` at normal incidence.
-/// A channel counts as 0.99 at most, where its index of refraction is 398.
+/// Returns the reflectance of a conductor without absorption (k = 0) that reflects `color` at
+/// normal incidence. Each channel is clamped to 0.99, which is an index of refraction of 398.
 #[must_use]
 pub fn conductor(color: Vec3, cosine: f32) -> Vec3 {
     let root = color.clamp(Vec3::ZERO, Vec3::splat(0.99)).map(f32::sqrt);

@@ -1,16 +1,16 @@
-//! What surfaces do with light: one [`Bsdf`] per shading point.
+//! Scattering at surfaces: one [`Bsdf`] per shading point.
 //!
 //! | material | lobes |
 //! | --- | --- |
 //! | matte | Lambert |
-//! | glossy | GGX with dielectric Fresnel; Lambert, of 0.999 at most, weighted by 1 - F(normal, outgoing) |
+//! | glossy | GGX with dielectric Fresnel; Lambert up to 0.999, times 1 - F(normal, outgoing) |
 //! | reflective | GGX with conductor Fresnel, or a mirror |
 //! | refractive | GGX with dielectric Fresnel, reflected and refracted, or a smooth boundary |
-//! | transparent | GGX with dielectric Fresnel, and its mirror image below, tinted; or a smooth sheet |
-//! | volumetric | none: light goes straight through |
+//! | transparent | GGX with dielectric Fresnel and its tinted mirror image, or a smooth sheet |
+//! | volumetric | none: light passes straight |
 //!
 //! Values include the cosine of the incoming direction. Refraction does not scale radiance by the
-//! squared ratio of indices: along every path that leaves a solid again the factors cancel.
+//! squared ratio of indices, because the factors cancel along every path that leaves a solid again.
 
 mod frame;
 pub mod fresnel;
@@ -24,19 +24,19 @@ use glam::{Vec2, Vec3};
 use rotund_scene::{MaterialKind, MaterialPoint};
 use std::f32::consts::FRAC_1_PI;
 
-/// How a surface point scatters the light that leaves towards one direction.
+/// The BSDF of a surface point for one outgoing direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf {
     frame: Frame,
-    /// Local, on the upper side.
+    /// In local coordinates, on the upper side.
     outgoing: Vec3,
     lobes: Lobes,
 }
 
-/// What a direction contributes.
+/// The value of a BSDF for an incoming direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfValue {
-    /// The BSDF times the cosine between incoming direction and normal.
+    /// The BSDF times the absolute cosine between incoming direction and normal, per channel.
     pub value: Vec3,
     /// Density of [`Bsdf::sample`] per solid angle.
     pub pdf: f32,
@@ -45,15 +45,16 @@ pub struct BsdfValue {
 /// A sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
-    /// Towards the light, of unit length, in world space.
+    /// Direction to the light, of unit length, in world space.
     pub incoming: Vec3,
-    /// The BSDF times the cosine over the density.
+    /// The BSDF times the cosine, divided by the density: the factor of the throughput.
     pub weight: Vec3,
-    /// Density per solid angle, or none if the direction is one of a discrete few.
+    /// Density per solid angle, or `None` for a delta direction, which no other technique can
+    /// sample.
     pub pdf: Option<f32>,
 }
 
-/// The terms of the materials, with what does not depend on the incoming direction.
+/// The lobes of the materials, with the factors that do not depend on the incoming direction.
 #[derive(Clone, Copy, Debug)]
 enum Lobes {
     Matte { color: Vec3 },
@@ -67,34 +68,37 @@ enum Lobes {
     Nothing,
 }
 
-/// What a channel of the base of a glossy surface reflects at most.
+/// Largest albedo of the base of a glossy surface.
 ///
-/// The base is weighted by the Fresnel term of the normal, the coat by that of each facet. Together they
-/// would return up to 1.00072 of white light, at an index of 1.33, an alpha of 0.1 and a cosine of 0.68; a base
-/// of 0.99925 and less gains nothing at any index, width and angle.
+/// The base is weighted by the Fresnel term of the normal, the coat by that of each facet. With a
+/// white base they would together reflect up to 1.00072 of white light, at an index of 1.33, an
+/// alpha of 0.1 and a cosine of 0.68. A base of 0.99925 or less gains no energy at any index, alpha
+/// and angle.
 const WHITEST_BASE: f32 = 0.999;
 
 const NOTHING: BsdfValue = BsdfValue { value: Vec3::ZERO, pdf: 0.0 };
 
 impl Bsdf {
-    /// `normal` is the shading normal, `outgoing` points to the eye; both have unit length. Only
-    /// for a refractive material does the side matter that `normal` points to: out of the solid.
+    /// Makes the BSDF of a material for light that leaves to `outgoing`. `normal` is the shading
+    /// normal; both have unit length. The normal of a refractive material must point out of the
+    /// solid; that of others may point to either side.
     #[must_use]
     pub fn new(material: &MaterialPoint, normal: Vec3, outgoing: Vec3) -> Self {
         let &MaterialPoint { kind, color, alpha, ior, .. } = material;
         let inside = normal.dot(outgoing) < 0.0;
         let frame = Frame::new(if inside { -normal } else { normal });
         let mut local = frame.local_from_world(outgoing);
-        // Exactly grazing: the limit from above, so that no term divides by zero.
+        // An exactly grazing direction is replaced by the limit from above, so that no term divides
+        // by 0.
         local.z = local.z.max(f32::MIN_POSITIVE.sqrt());
         let lobes = match kind {
             MaterialKind::Matte => Lobes::Matte { color },
             MaterialKind::Glossy => {
                 let reflected = fresnel::dielectric(ior, local.z);
                 let base = (1.0 - reflected) * color.min(Vec3::splat(WHITEST_BASE));
-                // Roots draw the coat more often than it reflects, a sixth of the time for a
-                // twentieth: drawn lights bring most of what the base reflects, but hardly ever meet
-                // a narrow lobe.
+                // Square roots sample the coat more often than its reflectance says, a sixth of the
+                // time for a twentieth: light samples find most of what the base reflects, but
+                // rarely hit the narrow lobe of the coat.
                 let [coat, below] = [reflected, base.max_element()].map(f32::sqrt);
                 let sum = coat + below;
                 let specular_chance = if sum > 0.0 { coat / sum } else { 1.0 };
@@ -104,8 +108,9 @@ impl Bsdf {
             MaterialKind::Reflective => Lobes::Metal { alpha, color },
             MaterialKind::Refractive => {
                 let eta = if inside { 1.0 / ior } else { ior };
-                // Without a step in the index there is no rough boundary either. Nearer than 2^-10
-                // the half vector, a difference of directions, would lose more than 10 of its bits.
+                // Equal indices make no boundary, rough or smooth. If they differ by less than
+                // 2^-10, the half vector, a difference of directions, would lose more than 10 of
+                // its bits.
                 if alpha == 0.0 || (eta - 1.0).abs() < 1.0 / 1024.0 {
                     Lobes::Glass { eta }
                 } else {
@@ -119,7 +124,7 @@ impl Bsdf {
         Self { frame, outgoing: local, lobes }
     }
 
-    /// True if light comes from a discrete few directions, which only [`Bsdf::sample`] finds.
+    /// Returns true if all lobes are delta functions, whose directions only [`Bsdf::sample`] finds.
     #[must_use]
     pub fn is_delta(&self) -> bool {
         matches!(
@@ -128,7 +133,8 @@ impl Bsdf {
         )
     }
 
-    /// Value and density for light from `incoming`, of unit length; zero for a delta lobe.
+    /// Returns value and density for light from `incoming`, of unit length; both are zero for delta
+    /// lobes.
     #[must_use]
     pub fn eval(&self, incoming: Vec3) -> BsdfValue {
         self.eval_local(self.frame.local_from_world(incoming))
@@ -178,8 +184,8 @@ impl Bsdf {
         }
     }
 
-    /// Draws an incoming direction: `choice` picks the lobe, `u` the direction in it. None if the
-    /// surface absorbs the path.
+    /// Samples an incoming direction: `choice` picks the lobe, `u` the direction in it, all uniform
+    /// in `0.0..1.0`. Returns `None` if the surface absorbs the path.
     #[must_use]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<BsdfSample> {
         let outgoing = self.outgoing;
@@ -223,7 +229,7 @@ impl Bsdf {
                 };
             }
         };
-        // Not positive also if NaN.
+        // The comparison is false for NaN.
         let BsdfValue { value, pdf } = self.eval_local(incoming);
         (pdf > 0.0 && pdf.is_finite()).then(|| BsdfSample {
             incoming: self.frame.world_from_local(incoming),
@@ -233,13 +239,14 @@ impl Bsdf {
     }
 }
 
-/// The mirror image of `direction` about `half`; both point away from the surface.
+/// Reflects `direction` about `half`; both point away from the surface.
 fn reflect(direction: Vec3, half: Vec3) -> Vec3 {
     2.0 * direction.dot(half) * half - direction
 }
 
-/// Where light comes from beyond a boundary with normal `half` that leaves towards `outgoing`; none
-/// if the boundary reflects everything. `eta` is the index beyond over the index on this side.
+/// Returns the direction beyond a boundary with normal `half` whose light is refracted to
+/// `outgoing`, or `None` at total internal reflection. `eta` is the index beyond over the index on
+/// this side.
 fn refract(eta: f32, outgoing: Vec3, half: Vec3) -> Option<Vec3> {
     let cosine = outgoing.dot(half);
     let transmitted2 = 1.0 - (1.0 - cosine * cosine).max(0.0) / (eta * eta);
@@ -247,9 +254,9 @@ fn refract(eta: f32, outgoing: Vec3, half: Vec3) -> Option<Vec3> {
         .then(|| ((cosine / eta - transmitted2.sqrt()) * half - outgoing / eta).normalize())
 }
 
-/// Density of reflected directions when visible facets are drawn.
+/// Returns the density of reflected directions when visible facet normals are sampled.
 fn reflection_pdf(alpha: f32, outgoing: Vec3, half: Vec3) -> f32 {
-    // microfacet::pdf over the Jacobian 4 (outgoing . half), of which the dot product cancels.
+    // microfacet::pdf over the Jacobian 4 (outgoing . half): the dot product cancels.
     if outgoing.dot(half) <= 0.0 {
         return 0.0;
     }

@@ -1,5 +1,5 @@
-//! A rough boundary between dielectrics. All vectors are local: +z is the normal, on whose side
-//! `outgoing` is; `eta` is the index beyond the boundary over the index on that side.
+//! A rough boundary between dielectrics. All vectors are local: +z is the normal on the side of
+//! `outgoing`; `eta` is the index beyond the boundary over the index on that side.
 //!
 //! Source: B. Walter et al., EGSR 2007, equations 16, 17 and 21; without the scaling of radiance.
 
@@ -18,7 +18,7 @@ pub(super) fn eval(alpha: f32, eta: f32, outgoing: Vec3, incoming: Vec3) -> Bsdf
     let sum = eta * incoming + outgoing;
     let half = sum.normalize_or_zero() * if sum.z < 0.0 { -1.0 } else { 1.0 };
     let (o, i) = (outgoing.dot(half), incoming.dot(half));
-    // Light is bent towards the facet's other side, or it did not come this way.
+    // Refraction connects opposite sides of a facet.
     if o <= 0.0 || i >= 0.0 {
         return NOTHING;
     }
@@ -34,7 +34,7 @@ pub(super) fn sample(alpha: f32, eta: f32, outgoing: Vec3, choice: f32, u: Vec2)
     let half = microfacet::sample(alpha, outgoing, u);
     let reflected = choice < fresnel::dielectric(eta, outgoing.dot(half));
     let incoming = if reflected { reflect(outgoing, half) } else { refract(eta, outgoing, half)? };
-    // A facet may send light to the wrong side of the surface, where another would meet it again:
-    // the model lets it be lost.
+    // A facet may reflect light to the far side of the surface or refract it to the near side,
+    // where it would meet another facet. The model ignores multiple scattering: that light is lost.
     ((incoming.z > 0.0) == reflected).then_some(incoming)
 }

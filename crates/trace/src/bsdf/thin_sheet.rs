@@ -1,5 +1,5 @@
-//! A thin sheet of a rough dielectric: what passes is the mirror image of what is reflected. All vectors
-//! are local: +z is the normal, on whose side `outgoing` is.
+//! A thin sheet of a rough dielectric: the transmitted lobe is the mirror image of the reflected
+//! one. All vectors are local: +z is the normal on the side of `outgoing`.
 
 use super::{BsdfValue, fresnel, microfacet, reflect, reflection_pdf};
 use glam::{Vec2, Vec3};
@@ -20,6 +20,6 @@ pub(super) fn sample(alpha: f32, ior: f32, outgoing: Vec3, choice: f32, u: Vec2)
     let reflected = reflect(outgoing, half);
     let through = choice >= fresnel::dielectric(ior, outgoing.dot(half));
     let incoming = if through { reflected.with_z(-reflected.z) } else { reflected };
-    // What would go on into the surface is lost.
+    // Light that a facet reflects into the surface is lost: the model ignores multiple scattering.
     (reflected.z > 0.0).then_some(incoming)
 }

@@ -102,13 +102,13 @@ impl Film {
     /// `samples`, or `progress` breaks.
     ///
     /// `integrator` returns the sample of pixel `(x, y)`, counted from the top left corner, with a
-    /// sample index in `0..samples`. If its result depends on these three alone, so does the film: neither
-    /// the number of threads nor an interruption changes a bit. A film of a [`crate::Shard`] takes the
-    /// indices of its shard only.
+    /// sample index in `0..samples`. If its result depends on these three alone, so does the film:
+    /// neither the number of threads nor an interruption changes a bit. A film of a
+    /// [`crate::Shard`] takes the indices of its shard only.
     ///
-    /// `progress` is called at least every 0.1 s, whatever the size of the film, as long as a single
-    /// sample takes less than some milliseconds. If it breaks, the film keeps the samples it has, and another
-    /// call goes on from there.
+    /// `progress` is called at least every 0.1 s, whatever the size of the film, as long as a
+    /// single sample takes less than some milliseconds. If it breaks, the film keeps the samples it
+    /// has, and another call goes on from there.
     pub fn accumulate_with(
         &mut self,
         samples: u32,
@@ -135,8 +135,8 @@ impl Film {
         while self.samples < target {
             let pass = target.min(self.samples.saturating_add(schedule.pass_samples()));
             let mut next = 0;
-            // Pixels that have the samples of this pass already come from an interrupted run, or from
-            // a batch that ran out of time.
+            // Pixels that have the samples of this pass already come from an interrupted run, or
+            // from a batch that ran out of time.
             while let Some(first) = self.first_behind(next, pass) {
                 let start_of_batch = Instant::now();
                 let end = self.pixels.len().min(first.saturating_add(schedule.batch()));

@@ -3,17 +3,15 @@
 use super::Film;
 use crate::Shard;
 
-/// A reason why films do not join to one picture. Films are numbered from 1 in the order of the call,
-/// shards by their index, from 0; messages count both from 1.
+/// A reason why films do not join to one picture. Films are numbered from 1 in the order of the
+/// call, shards by their index, from 0; messages count both from 1.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages describe variants and fields")]
 #[non_exhaustive]
 pub enum MergeError {
     #[error("there is no film to merge")]
     Nothing,
-    #[error(
-        "film {number} is of another picture than film 1: size, seed, label and shard count must agree"
-    )]
+    #[error("film {number} differs from film 1 in size, seed, label or shard count")]
     Different { number: usize },
     #[error("shard {}/{count} is there {times} times, not once", index + 1)]
     Shards { index: u32, count: u32, times: usize },
@@ -22,7 +20,8 @@ pub enum MergeError {
 }
 
 impl Film {
-    /// Joins all shards of a picture, in any order, to the film of an undivided render, bit for bit.
+    /// Joins all shards of a picture, in any order, to the film of an undivided render, bit for
+    /// bit.
     ///
     /// # Errors
     ///

@@ -10,7 +10,7 @@ pub use accumulate::{FilmSample, Progress};
 pub use merge::MergeError;
 pub(crate) use pixel::PixelSum;
 
-use crate::{Options, RenderError, Shard};
+use crate::{FilmError, Options, RenderError, Shard};
 use glam::Vec3;
 use rotund_image::Image;
 
@@ -18,10 +18,11 @@ use rotund_image::Image;
 ///
 /// Sums are exact: radiance is counted in whole steps of 2⁻⁵⁶, so addition is associative. The same
 /// samples make the same bits in any order, on any number of threads, in one run or several, on one
-/// machine or several. Each pixel knows its number of samples, so [`Self::image`] is right at any moment,
-/// also in the middle of a pass over the pixels.
+/// machine or several. Each pixel knows its number of samples, so [`Self::image`] is right at any
+/// moment, also in the middle of a pass over the pixels.
 ///
-/// A renderer of one's own fills a film with [`Self::accumulate`], or sample by sample with [`Self::add`].
+/// A renderer of one's own fills a film with [`Self::accumulate`], or sample by sample with
+/// [`Self::add`].
 ///
 /// ```
 /// use rotund_trace::{Film, FilmSample};
@@ -47,22 +48,9 @@ pub struct Film {
     pub(crate) pixels: Vec<PixelSum>,
     /// Number of samples that every pixel has: the minimum over the pixels.
     samples: u32,
-    /// Number of pixels with exactly `samples` samples. When it reaches 0, the minimum has risen and is
-    /// computed anew, so reading it costs nothing however large the film is.
+    /// Number of pixels with exactly `samples` samples. When it reaches 0, the minimum has risen
+    /// and is computed anew, so reading it costs nothing however large the film is.
     behind: usize,
-}
-
-/// A reason why a film cannot be made or added to.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages describe variants and fields")]
-#[non_exhaustive]
-pub enum FilmError {
-    #[error("a film of {width} x {height} has no pixels")]
-    Empty { width: u32, height: u32 },
-    #[error("a film of {width} x {height} does not fit into memory: it takes 64 bytes a pixel")]
-    TooLarge { width: u32, height: u32 },
-    #[error("pixel ({x}, {y}) is outside of a film of {width} x {height}")]
-    OutOfRange { x: u32, y: u32, width: u32, height: u32 },
 }
 
 impl Film {
@@ -142,15 +130,15 @@ impl Film {
         self.index(x, y).ok().map(|index| self.pixels[index].samples)
     }
 
-    /// Returns how many samples were rejected, and counted as black, because their radiance was NaN,
-    /// negative, or 2³⁹ or more.
+    /// Returns how many samples were rejected, and counted as black, because their radiance was
+    /// NaN, negative, or 2³⁹ or more.
     #[must_use]
     pub fn rejected(&self) -> u64 {
         self.rejected
     }
 
-    /// Returns how many samples were brighter than every light source of the scene, as no pixel can be.
-    /// They are noise of paths with too low a sampling density; they count in full.
+    /// Returns how many samples were brighter than every light source of the scene, as no pixel can
+    /// be. They are noise of paths with too low a sampling density; they count in full.
     #[must_use]
     pub fn fireflies(&self) -> u64 {
         self.fireflies
@@ -186,8 +174,8 @@ impl Film {
         Self { seed, ..self }
     }
 
-    /// Returns the same film with a description of its picture, for what the film itself does not know:
-    /// scene, camera, number of bounces.
+    /// Returns the same film with a description of its picture, for what the film itself does not
+    /// know: scene, camera, number of bounces.
     #[must_use]
     pub fn with_label(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
@@ -208,8 +196,8 @@ impl Film {
         Ok(())
     }
 
-    /// Returns the mean of the samples of each pixel, rounded once; black and transparent where there
-    /// are none.
+    /// Returns the mean of the samples of each pixel, rounded once; black and transparent where
+    /// there are none.
     #[must_use]
     pub fn image(&self) -> Image {
         Image {

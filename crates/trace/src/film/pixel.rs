@@ -3,8 +3,8 @@
 /// The sum of the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelSum {
-    /// Sums of red, green and blue in steps of 2⁻⁵⁶. A sample is less than 2³⁹, so 2³² samples do not
-    /// overflow.
+    /// Sums of red, green and blue in steps of 2⁻⁵⁶. A sample is less than 2³⁹, so 2³² samples do
+    /// not overflow.
     pub(crate) radiance: [u128; 3],
     /// Number of samples that met a surface or an environment.
     pub(crate) covered: u32,
@@ -18,8 +18,8 @@ const FRACTION_BITS: i32 = 56;
 const LIMIT: f32 = (1_u64 << 39) as f32;
 
 impl PixelSum {
-    /// Adds a sample and returns true. A radiance that is NaN, negative, or 2³⁹ or more is counted as
-    /// black, and the result is false.
+    /// Adds a sample and returns true. A radiance that is NaN, negative, or 2³⁹ or more is counted
+    /// as black, and the result is false.
     pub(super) fn add(&mut self, radiance: [f32; 3], covered: bool) -> bool {
         self.samples += 1;
         self.covered += u32::from(covered);

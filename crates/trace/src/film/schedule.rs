@@ -4,8 +4,8 @@ use std::time::Duration;
 
 /// Duration of a batch of pixels, after which progress is reported.
 const BATCH_TIME: Duration = Duration::from_millis(50);
-/// Age of a batch after which threads leave the rest of it for later. So reports come within 0.1 s even
-/// where pixels are suddenly slower than those before.
+/// Age of a batch after which threads leave the rest of it for later. So reports come within 0.1 s
+/// even where pixels are suddenly slower than those before.
 const BATCH_LIMIT: Duration = Duration::from_millis(70);
 /// Passes over the pixels get longer until they take between half of this and this.
 const PASS_TIME: Duration = Duration::from_millis(500);
@@ -15,18 +15,19 @@ const PIXEL_TIME: Duration = Duration::from_millis(20);
 const RUNS_PER_THREAD: usize = 64;
 /// Largest number of consecutive pixels that a thread takes at once.
 const LONGEST_RUN: usize = 256;
-/// Number of samples between two looks at the clock, and the least of a run: so many that they outweigh
-/// the time to read the clock and to distribute runs.
+/// Number of samples between two looks at the clock, and the least of a run: so many that they
+/// outweigh the time to read the clock and to distribute runs.
 const STRIDE: usize = 16;
 /// Pixels of the first batch, whose speed is not known yet.
 const FIRST_BATCH: usize = 4096;
 
 /// How many pixels are rendered between two reports, and how many samples of each.
 ///
-/// A render makes passes over all pixels. A pass takes one sample of each pixel at first, and twice as
-/// many as the last one while that took less than half of [`PASS_TIME`]. It is divided into batches of
-/// consecutive pixels, whose number follows the measured speed, and a batch into runs, which are the unit
-/// of work of a thread. The clock decides only when something is reported, never what a pixel becomes.
+/// A render makes passes over all pixels. A pass takes one sample of each pixel at first, and twice
+/// as many as the last one while that took less than half of [`PASS_TIME`]. It is divided into
+/// batches of consecutive pixels, whose number follows the measured speed, and a batch into runs,
+/// which are the unit of work of a thread. The clock decides only when something is reported, never
+/// what a pixel becomes.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
     threads: usize,
@@ -103,8 +104,8 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    /// Renders on a simulated clock. `cost` is the time of one sample of a pixel; returns the length of
-    /// each batch in time and pixels, and the largest number of samples of a pass.
+    /// Renders on a simulated clock. `cost` is the time of one sample of a pixel; returns the
+    /// length of each batch in time and pixels, and the largest number of samples of a pass.
     fn simulate(
         pixels: usize,
         threads: usize,

@@ -11,55 +11,58 @@ use glam::{Affine3A, Vec2, Vec3};
 use rotund_geometry::{Aabb, UNIT_ROUNDOFF};
 use rotund_scene::{Elements, Instance, Method, Scene, SceneHit, Shape};
 
-/// An element that shines, in world space.
+/// An emitting element in world space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Emitter {
     surface: Surface,
     instance: u32,
     element: u32,
-    /// Radiance, if it is the same all over the element.
-    even: Option<Vec3>,
+    /// Radiance, if it is constant over the element.
+    constant: Option<Vec3>,
     pub(super) power: f32,
-    /// The middle of its bounds, and how far from there it is [`FAR`], squared.
+    /// Center of the bounds, and the square of the distance from there at which the emitter is
+    /// [`FAR`].
     center: Vec3,
     far2: f32,
-    /// Bound on how far a point that is computed from corners or centers is off the surface: that takes
-    /// fewer than ten roundings, each relative to the largest coordinate in play.
+    /// Bound on the distance of a sampled point from the surface: fewer than ten roundings, each
+    /// relative to the largest coordinate involved.
     error: f32,
 }
 
-/// From so many times the radius of its bounds a flat emitter is drawn by area, not by solid angle: that costs
-/// a tenth, and from there adds a hundredth to the noise of a picture.
+/// Distance, in multiples of the radius of the bounds, beyond which a flat emitter is sampled by
+/// area and not by solid angle. That takes a tenth of the time, and adds a hundredth to the noise
+/// of a picture.
 const FAR: f32 = 3.0;
 
-/// A drawn point of an emitter.
+/// A sampled point of an emitter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmitterPoint {
     pub(super) source: LightSource,
-    /// What the element calls the point.
+    /// Parameters of the point on the element.
     pub(super) uv: Vec2,
     /// Density per solid angle.
     pub(super) pdf: f32,
 }
 
-/// The surfaces that points are drawn from.
+/// The surfaces that points are sampled on.
 #[derive(Clone, Copy, Debug)]
 enum Surface {
     Triangle([Vec3; 3]),
-    /// A quad, with either method.
+    /// A rectangular quad, of either method.
     Rectangle(Rectangle),
     TwoTriangles([Vec3; 4]),
-    /// `p00 p10 p01 p11`.
+    /// A bilinear patch `p00 p10 p01 p11`.
     Patch([Vec3; 4]),
     Ball(Ball),
     Cone(Cone),
-    /// The second triangle of a rectangle that the element before stands for.
+    /// The second triangle of a rectangle, which the element before represents.
     SecondHalf,
-    /// Nothing is drawn from it.
+    /// A surface that is never sampled.
     None,
 }
 
-/// Emitters of all elements of an instance, in order; none if its material does not shine.
+/// Returns emitters for all elements of an instance, in order, or `None` if its material does not
+/// emit.
 pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
     let instance = &scene.instances[index as usize];
     let material = &scene.materials[instance.material as usize];
@@ -75,7 +78,7 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
             surface,
             instance: index,
             element,
-            even: None,
+            constant: None,
             power: 0.0,
             center: Vec3::ZERO,
             far2: 0.0,
@@ -85,7 +88,7 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
         let area = emitter.area();
         if area > 0.0 && area.is_finite() {
             let mean = emitter.mean_radiance(scene, varies);
-            emitter.even = (!varies).then_some(mean);
+            emitter.constant = (!varies).then_some(mean);
             emitter.power = luminance(mean) * area;
         }
         emitter
@@ -124,7 +127,7 @@ fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
                 .map(|vertex| Ball { center: world(vertex), radius: scale * radius(vertex) });
             match Cone::try_new(balls) {
                 Some(cone) => Surface::Cone(cone),
-                // The larger ball holds the other.
+                // The larger ball contains the other.
                 None if balls[0].radius >= balls[1].radius => Surface::Ball(balls[0]),
                 None => Surface::Ball(balls[1]),
             }
@@ -132,12 +135,12 @@ fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
     }
 }
 
-/// How much a map enlarges, if it enlarges all directions the same.
+/// Returns the scale of a frame, if it is a similarity.
 fn scale(frame: &Affine3A) -> Option<f32> {
     let axes = frame.matrix3;
     let lengths2 = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.length_squared());
     let mean = (lengths2.iter().sum::<f32>() / 3.0).sqrt();
-    // Frames in files are rounded to six digits or so.
+    // Frames in files are rounded to about six digits.
     let near = |x: f32, y: f32| (x - y).abs() <= 1e-5 * mean * mean;
     let same = lengths2.iter().all(|&l| near(l, mean * mean))
         && near(axes.x_axis.dot(axes.y_axis), 0.0)
@@ -147,7 +150,7 @@ fn scale(frame: &Affine3A) -> Option<f32> {
 }
 
 impl Emitter {
-    /// Finds what depends on the bounds.
+    /// Computes the fields that depend on the bounds.
     fn measure(&mut self) {
         let Aabb { min, max } = self.extent().bounds;
         self.error = 10.0 * UNIT_ROUNDOFF * min.abs().max(max.abs()).max_element();
@@ -155,12 +158,12 @@ impl Emitter {
         self.far2 = FAR * FAR * 0.25 * (max - min).length_squared();
     }
 
-    /// Takes over what follows, if these are the triangles of one rectangle, as meshes have them: one emitter is
-    /// chosen and drawn faster than two.
+    /// Joins two consecutive triangles of a mesh into one rectangle, if they make one: one emitter
+    /// is chosen and sampled faster than two.
     fn join(&mut self, next: &mut Self) {
         if let (Surface::Triangle(a), Surface::Triangle(b)) = (&self.surface, &next.surface)
-            && self.even.is_some()
-            && next.even.is_some()
+            && self.constant.is_some()
+            && next.constant.is_some()
             && let Some(rectangle) = flat::around(*a, *b).and_then(Rectangle::try_new)
         {
             self.surface = Surface::Rectangle(rectangle);
@@ -171,7 +174,7 @@ impl Emitter {
         }
     }
 
-    /// True if the element before stands for this one.
+    /// True if the element before represents this one.
     pub(super) fn is_second_half(&self) -> bool {
         matches!(self.surface, Surface::SecondHalf)
     }
@@ -191,15 +194,16 @@ impl Emitter {
         }
     }
 
-    /// The radiance that leaves towards any direction; what lets rays through shines less.
+    /// Returns the emitted radiance at a point, scaled by opacity.
     pub(super) fn radiance(&self, scene: &Scene, uv: Vec2) -> Vec3 {
-        self.even.unwrap_or_else(|| {
+        self.constant.unwrap_or_else(|| {
             let material = scene.eval_material(self.instance, self.element, uv);
             material.opacity * material.emission
         })
     }
 
-    /// Where it varies, of a few points: this only guides the choice of emitters.
+    /// Returns the mean radiance, estimated from a few points if it varies. It only guides the
+    /// choice of emitters.
     fn mean_radiance(&self, scene: &Scene, varies: bool) -> Vec3 {
         const STEPS: u16 = 4;
         let at = |uv| self.radiance(scene, uv);
@@ -211,7 +215,7 @@ impl Emitter {
         grid.map(at).sum::<Vec3>() / f32::from(STEPS * STEPS)
     }
 
-    /// What the tree of lights needs to know.
+    /// Returns the bounds for the light tree.
     pub(super) fn extent(&self) -> Extent {
         let (bounds, normal) = match &self.surface {
             Surface::Triangle(corners) => {
@@ -239,7 +243,7 @@ impl Emitter {
         Extent { bounds, power: self.power, normal }
     }
 
-    /// Draws a point that may be seen from `from`; none if it cannot be seen.
+    /// Samples a point that may be visible from `from`, or returns `None`.
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterPoint> {
         let surface_point = |point: SurfacePoint| {
             let SurfacePoint { position, normal, uv, pdf_area } = point;
@@ -280,7 +284,8 @@ impl Emitter {
         (point.pdf > 0.0 && point.pdf.is_finite()).then_some(point)
     }
 
-    /// The density per solid angle with which [`Self::sample`] draws a point that a ray hit.
+    /// Returns the density per solid angle with which [`Self::sample`] samples a point that a ray
+    /// hit.
     pub(super) fn pdf(&self, from: Vec3, hit: &SceneHit) -> f32 {
         let density = match &self.surface {
             Surface::Triangle(corners) => self.density_of_triangles(&[*corners], from),
@@ -299,8 +304,8 @@ impl Emitter {
         solid_angle_density(density, from, hit.position, hit.normal)
     }
 
-    /// Draws a point of one triangle or of both that stand for a quad: even over the directions in
-    /// which they are seen, or over their area if they are seen too small.
+    /// Samples a point of a triangle, or of the two that approximate a quad: uniformly by solid
+    /// angle, or by area if the solid angle is too small.
     fn of_triangles(&self, triangles: &[[Vec3; 3]], from: Vec3, u: Vec2) -> Option<EmitterPoint> {
         let seen = self.seen(triangles, from);
         let weights = [0, 1].map(|index| match (&seen, triangles.get(index)) {
@@ -329,12 +334,12 @@ impl Emitter {
             None => Density::Area(1.0 / sum),
         };
         let pdf = solid_angle_density(density, from, position, normal);
-        // The second triangle of a quad counts from the opposite corner.
+        // The parameters of the second triangle of a quad start at the opposite corner.
         let uv = if index == 0 { place } else { 1.0 - place };
         Some(EmitterPoint { source: self.source(position, normal), uv, pdf })
     }
 
-    /// Density of [`Self::of_triangles`].
+    /// Returns the density of [`Self::of_triangles`].
     fn density_of_triangles(&self, triangles: &[[Vec3; 3]], from: Vec3) -> Density {
         match self.seen(triangles, from) {
             Some(seen) => {
@@ -344,7 +349,7 @@ impl Emitter {
         }
     }
 
-    /// The triangles by solid angle, if that is what is drawn from here.
+    /// Returns the spherical triangles, if they are sampled by solid angle from here.
     fn seen(&self, triangles: &[[Vec3; 3]], from: Vec3) -> Option<[SphericalTriangle; 2]> {
         if self.is_far(from) { None } else { SphericalTriangle::seen(triangles, from) }
     }
@@ -363,15 +368,15 @@ fn ball_bounds(ball: &Ball) -> Aabb {
     Aabb { min: ball.center - r, max: ball.center + r }
 }
 
-/// The normal of a quad if it is flat, else zero.
+/// Returns the normal of a quad if it is flat, else zero.
 fn shared_normal([p0, p1, p2, p3]: [Vec3; 4]) -> Vec3 {
     let a = (p1 - p0).cross(p3 - p0).normalize_or_zero();
     let b = (p3 - p2).cross(p1 - p2).normalize_or_zero();
-    // A triangle as a quad has one side without a normal.
+    // A degenerate quad that is a triangle has a half without a normal.
     if b == Vec3::ZERO || a.dot(b) > 1.0 - 1e-5 { a } else { Vec3::ZERO }
 }
 
-/// The density per solid angle, seen from `from`, of a point that was drawn with `density`.
+/// Converts the density of a point to one per solid angle at `from`.
 fn solid_angle_density(density: Density, from: Vec3, position: Vec3, normal: Vec3) -> f32 {
     match density {
         Density::SolidAngle(pdf) => pdf,

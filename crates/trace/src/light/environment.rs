@@ -1,4 +1,4 @@
-//! Light from infinitely far away, drawn where an image is brighter than its mean.
+//! Sampling environments in proportion to their luminance above the mean.
 
 use super::{luminance, mosaic::Mosaic};
 use crate::distribution::Table;
@@ -6,20 +6,21 @@ use glam::{Vec2, Vec3};
 use rotund_scene::{Environment, Scene, Texture};
 use std::f32::consts::{PI, TAU};
 
-/// The environments of a scene that are worth drawing from.
+/// The environments of a scene that are sampled.
 ///
-/// A cell of the density is what four pixels enclose, since between them the look-up is bilinear; it
-/// is constant per solid angle within a cell, or within a block of cells of a [`Mosaic`]. From each cell's mean the mean over all directions is
-/// taken away: that part has no bright spots, so the BSDF samples do it better, and multiple
-/// importance sampling lets each do its part. A constant environment is thus never drawn from.
+/// A cell of the density lies between the centers of four pixels, where the look-up is bilinear.
+/// The density is constant per solid angle within a cell, or within a block of cells of a
+/// [`Mosaic`]. It is the mean of the cell minus the mean over all directions: BSDF samples cover
+/// the constant part better, and multiple importance sampling combines both. A constant environment
+/// is therefore never sampled.
 ///
 /// Source: O. Karlík, M. Šik, P. Vévoda, T. Skřivan, J. Křivánek, "MIS Compensation: Optimizing
 /// Sampling Techniques in Multiple Importance Sampling", SIGGRAPH Asia 2019.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnvironmentLights {
-    /// Of environments, by what their images add to the light of a surface.
+    /// Distribution of the environments, in proportion to their power above the mean.
     choice: Table,
-    /// Of each environment, if it is worth drawing from.
+    /// For each environment, its image if it is sampled.
     images: Vec<Option<EnvironmentImage>>,
 }
 
@@ -28,7 +29,7 @@ struct EnvironmentImage {
     environment: Environment,
     width: usize,
     height: usize,
-    /// In columns, and by the cosine of the angle to the pole.
+    /// Density over columns and the cosine of the angle to the pole.
     mosaic: Mosaic,
 }
 
@@ -43,14 +44,14 @@ impl EnvironmentLights {
         Self { choice: Table::new(images.iter().map(power)), images }
     }
 
-    /// The integral of the luminance above the mean over all directions.
+    /// Returns the integral over all directions of the luminance above the mean.
     pub(super) fn power(&self) -> f32 {
         self.choice.sum
     }
 
-    /// A direction, of unit length, and its density per solid angle.
+    /// Samples a direction of unit length. Returns it with its density per solid angle.
     pub(super) fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
-        // The choice takes the vertical number and leaves it as even as it was.
+        // The choice consumes the vertical number and rescales it, which keeps its stratification.
         let drawn = self.choice.draw(u.y)?;
         let image = self.images[drawn.cell].as_ref()?;
         let (direction, pdf) = image.sample(Vec2::new(u.x, drawn.rest))?;
@@ -100,7 +101,7 @@ impl EnvironmentImage {
         let luminance_of_row = |y: u32| {
             (0..texture.width).map(move |x| {
                 let bright = luminance(environment.emission * texture.color_at(x, y).truncate());
-                // A pixel that is not a number is not worth drawing.
+                // A NaN pixel is not sampled.
                 if bright.is_finite() { bright.max(0.0) } else { 0.0 }
             })
         };
@@ -145,7 +146,7 @@ impl EnvironmentImage {
         Some((direction.normalize(), density * self.columns_per_radian()))
     }
 
-    /// At a place of the image.
+    /// Returns the density per solid angle at texture coordinates.
     fn pdf(&self, uv: Vec2) -> f32 {
         let cell = |x: f32, size: usize| ((x * size as f32) as usize).min(size - 1);
         let (column, row) = (cell(uv.x, self.width), cell(uv.y, self.height));

@@ -1,4 +1,4 @@
-//! Areas of flat emitters, and drawing from bilinear patches.
+//! Areas of flat emitters, and sampling of bilinear patches.
 
 use glam::{Vec2, Vec3};
 
@@ -6,9 +6,9 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SurfacePoint {
     pub(super) position: Vec3,
-    /// Of unit length; which side does not matter.
+    /// Normal of unit length, to either side.
     pub(super) normal: Vec3,
-    /// What the element calls the point.
+    /// Parameters of the point on the element.
     pub(super) uv: Vec2,
     /// Density per area.
     pub(super) pdf_area: f32,
@@ -18,12 +18,13 @@ pub(super) fn triangle_area([p0, p1, p2]: [Vec3; 3]) -> f32 {
     0.5 * (p1 - p0).cross(p2 - p0).length()
 }
 
-/// The two triangles that stand for a quad: each begins at a corner that the other has not.
+/// Returns the two triangles that approximate a quad. Each begins at the corner that the other
+/// lacks.
 pub(super) fn halves([p0, p1, p2, p3]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
     [[p0, p1, p3], [p2, p3, p1]]
 }
 
-/// The corners, in order, around two triangles that share a side and no more.
+/// Returns the corners, in order, of the quad that two triangles with one common side make.
 pub(super) fn around(a: [Vec3; 3], b: [Vec3; 3]) -> Option<[Vec3; 4]> {
     let alone = a.iter().position(|corner| !b.contains(corner))?;
     let opposite = b.into_iter().find(|corner| !a.contains(corner))?;
@@ -31,17 +32,17 @@ pub(super) fn around(a: [Vec3; 3], b: [Vec3; 3]) -> Option<[Vec3; 4]> {
     side.iter().all(|end| b.contains(end)).then_some([a[alone], side[0], opposite, side[1]])
 }
 
-/// Areas of the two triangles of a quad.
+/// Returns the areas of the two triangles of a quad.
 pub(super) fn triangle_areas(corners: [Vec3; 4]) -> [f32; 2] {
     halves(corners).map(triangle_area)
 }
 
-/// Tangents of a bilinear patch `p00 p10 p01 p11` along u and v.
+/// Returns the tangents of a bilinear patch `p00 p10 p01 p11` along u and v.
 fn tangents([p00, p10, p01, p11]: [Vec3; 4], uv: Vec2) -> [Vec3; 2] {
     [(p10 - p00).lerp(p11 - p01, uv.y), (p01 - p00).lerp(p11 - p10, uv.x)]
 }
 
-/// Area of a patch per area of its parameters at `p00 p10 p01 p11`.
+/// Returns the area of a patch per area of its parameters at `p00 p10 p01 p11`.
 fn corner_stretch(corners: [Vec3; 4]) -> [f32; 4] {
     [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|uv| {
         let [du, dv] = tangents(corners, uv);
@@ -49,10 +50,11 @@ fn corner_stretch(corners: [Vec3; 4]) -> [f32; 4] {
     })
 }
 
-/// Density per area at `uv` of [`patch`].
+/// Returns the density of [`patch`] per area at `uv`.
 ///
-/// Parameters are drawn in proportion to the area per area of parameters, interpolated from the
-/// corners. That is exactly uniform by area for a parallelogram, nearly so for a gentle patch.
+/// Parameters are sampled in proportion to the bilinear interpolation of the area per area of
+/// parameters at the corners. That is uniform by area for a parallelogram, and nearly so for a
+/// patch of little curvature.
 pub(super) fn patch_pdf(corners: [Vec3; 4], uv: Vec2) -> f32 {
     let [w00, w10, w01, w11] = corner_stretch(corners);
     let [du, dv] = tangents(corners, uv);
@@ -62,7 +64,7 @@ pub(super) fn patch_pdf(corners: [Vec3; 4], uv: Vec2) -> f32 {
     4.0 * weight / ((w00 + w10 + w01 + w11) * du.cross(dv).length())
 }
 
-/// A point of a patch `p00 p10 p01 p11`.
+/// Samples a point of a patch `p00 p10 p01 p11`.
 pub(super) fn patch(corners: [Vec3; 4], u: Vec2) -> Option<SurfacePoint> {
     let [p00, p10, p01, p11] = corners;
     let [w00, w10, w01, w11] = corner_stretch(corners);
@@ -78,11 +80,12 @@ pub(super) fn patch(corners: [Vec3; 4], u: Vec2) -> Option<SurfacePoint> {
     })
 }
 
-/// A number in `0.0..=1.0` with density in proportion to a weight that goes linearly from `a` to `b`.
+/// Samples a number in `0.0..=1.0` with a density that changes linearly from `a` to `b`, up to a
+/// factor.
 pub(super) fn linear(a: f32, b: f32, u: f32) -> f32 {
     if a + b <= 0.0 {
         return u;
     }
-    // The root of (b - a) x² / 2 + a x = u (a + b) / 2, written so that it cannot cancel.
+    // The root of (b - a) x² / 2 + a x = u (a + b) / 2, in a form that cannot cancel.
     (u * (a + b) / (a + (a * a + u * (b * b - a * a)).max(0.0).sqrt())).min(1.0)
 }

@@ -1,4 +1,4 @@
-//! Light sources, and how they are drawn.
+//! Light sources, and importance sampling of them.
 
 mod emitter;
 mod environment;
@@ -23,8 +23,9 @@ use tree::{Extent, LightTree};
 ///
 /// # Direct illumination with multiple importance sampling
 ///
-/// An estimator of direct illumination samples one direction from the lights and one from the BSDF. The
-/// first is weighted with the density of the second and the other way round, so that the sum has no bias:
+/// An estimator of direct illumination samples one direction from the lights and one from the BSDF.
+/// The first is weighted with the density of the second and the other way round, so that the sum
+/// has no bias:
 ///
 /// ```
 /// use glam::{Vec2, Vec3};
@@ -56,9 +57,10 @@ use tree::{Extent, LightTree};
 ///     if let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) {
 ///         let ray = hit.spawn(scattered.incoming);
 ///         let (radiance, light_pdf) = match world.closest(&ray) {
-///             Some(far) => {
-///                 (scene.eval_emission(far.instance, far.element, far.uv), lights.pdf(&receiver, &far))
-///             }
+///             Some(far) => (
+///                 scene.eval_emission(far.instance, far.element, far.uv),
+///                 lights.pdf(&receiver, &far),
+///             ),
 ///             None => (
 ///                 scene.eval_environment(ray.direction),
 ///                 lights.environment_pdf(&receiver, ray.direction),
@@ -106,8 +108,8 @@ pub struct LightSource {
 }
 
 impl LightSample {
-    /// Returns the ray from a surface point to the light, for [`crate::World::any`]: it meets neither
-    /// the surface that it leaves nor the light that it goes to.
+    /// Returns the ray from a surface point to the light, for [`crate::World::any`]: it meets
+    /// neither the surface that it leaves nor the light that it goes to.
     #[must_use]
     pub fn shadow_ray(&self, hit: &SceneHit) -> Ray {
         self.shadow_ray_from(hit.spawn(self.incoming).origin)
@@ -146,9 +148,10 @@ impl Lights {
     /// Collects the lights of a scene: every element of an instance whose material emits, and every
     /// environment with an image that is not constant.
     ///
-    /// Some lights are never sampled, and [`Self::pdf`] is 0 for them: vanilla points and lines, whose
-    /// surface depends on the ray; spheres and cones under a transform that deforms them; and constant
-    /// environments. Directions from the BSDF find them and have weight 1, so they are right too.
+    /// Some lights are never sampled, and [`Self::pdf`] is 0 for them: vanilla points and lines,
+    /// whose surface depends on the ray; spheres and cones under a transform that deforms them; and
+    /// constant environments. Directions from the BSDF find them and have weight 1, so they are
+    /// right too.
     ///
     /// # Errors
     ///
@@ -200,12 +203,12 @@ impl Lights {
         }
     }
 
-    /// Samples a direction to a light: `choice` picks the light, `u` the point on it, both uniform in
-    /// `0.0..1.0`. Returns `None` if no light can illuminate the receiver, or the sampled one does not;
-    /// such a sample contributes nothing but counts.
+    /// Samples a direction to a light: `choice` picks the light, `u` the point on it, both uniform
+    /// in `0.0..1.0`. Returns `None` if no light can illuminate the receiver, or the sampled one
+    /// does not; such a sample contributes nothing but counts.
     ///
-    /// Occlusion is not tested: see [`LightSample::shadow_ray`]. The direction may lie below the horizon of
-    /// the receiver, where the BSDF is zero.
+    /// Occlusion is not tested: see [`LightSample::shadow_ray`]. The direction may lie below the
+    /// horizon of the receiver, where the BSDF is zero.
     #[must_use]
     pub fn sample(&self, receiver: &Receiver, choice: f32, u: Vec2) -> Option<LightSample> {
         let environment_chance = self.environment_chance(receiver);
@@ -244,8 +247,8 @@ impl Lights {
         }
     }
 
-    /// Returns the radiance of a direction that leads out of the scene, and the density per solid angle
-    /// with which [`Self::sample`] samples it.
+    /// Returns the radiance of a direction that leads out of the scene, and the density per solid
+    /// angle with which [`Self::sample`] samples it.
     pub(crate) fn environment(
         &self,
         scene: &Scene,
@@ -265,12 +268,13 @@ impl Lights {
     }
 
     /// Returns the density per solid angle at the receiver with which [`Self::sample`] samples the
-    /// direction to a surface point `hit`, which must be the first surface in that direction; 0 if the
-    /// surface does not emit or is never sampled.
+    /// direction to a surface point `hit`, which must be the first surface in that direction; 0 if
+    /// the surface does not emit or is never sampled.
     ///
     /// # Panics
     ///
-    /// If the hit is not of the scene that the lights were built from, and its index is out of range.
+    /// If the hit is not of the scene that the lights were built from, and its index is out of
+    /// range.
     #[must_use]
     pub fn pdf(&self, receiver: &Receiver, hit: &SceneHit) -> f32 {
         let Some(first) = self.first_emitter[hit.instance as usize] else { return 0.0 };

@@ -1,46 +1,48 @@
-//! A density over an image, kept as fine as it needs to be.
+//! A piecewise constant density over an image, of adaptive resolution.
 
 use crate::distribution::Grids;
 use glam::Vec2;
 
-/// A density that is constant in each cell of a grid or, where that does nearly as well, in a block of cells.
+/// A density that is constant in each cell of a grid or, where the variance hardly rises, in each
+/// block of cells.
 ///
-/// Most of a sky is so smooth that a few thousand blocks tell all of it. They stay near the processor where
-/// a table of all cells would not, and around a sun every cell counts.
+/// A few thousand blocks represent the smooth part of a sky and fit into the caches, which a table
+/// of all cells does not. Around the sun the resolution is that of the cells.
 #[derive(Clone, Debug)]
 pub(super) struct Mosaic {
     width: usize,
-    /// Where each row begins and the last ends, falling. Columns are one wide.
+    /// Upper edges of the rows and the lower edge of the last, decreasing. Columns have width 1.
     edges: Vec<f32>,
-    /// The integral of what the density is in proportion to. It may be more than an `f32` holds.
+    /// Integral of the brightness. It may exceed the range of `f32`.
     pub(super) sum: f64,
-    /// Blocks in a row.
+    /// Number of blocks in a row.
     across: usize,
-    /// A single grid.
+    /// A single grid: the distribution of the blocks.
     blocks: Grids,
     kinds: Vec<Kind>,
-    /// The cells of blocks; what is beyond the image weighs nothing.
+    /// Distributions of the cells of some blocks; cells outside of the image have weight 0.
     cells: Grids,
 }
 
-/// What is in a block.
+/// The density in a block.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// One density.
-    Even(f32),
-    /// The cells of this grid.
-    Uneven(u32),
+    /// Constant.
+    Constant(f32),
+    /// That of the cells of this grid.
+    Cells(u32),
 }
 
-/// Columns and rows of a block.
+/// Number of columns and of rows of a block.
 const SIDE: usize = 8;
 
-/// The variance that blocks may add to the mean of what is drawn, as a share of its square, where the cells alone
-/// would leave none.
+/// Variance that blocks may add to an estimate of the integral, relative to the square of the
+/// integral. The cells alone would have none.
 const VARIANCE: f64 = 1e-3;
 
 impl Mosaic {
-    /// `brightness` is not negative and has `width` numbers for each row.
+    /// Makes a density in proportion to `brightness`, which must not be negative, with `width`
+    /// numbers for each row.
     pub(super) fn new(width: usize, edges: Vec<f32>, brightness: &[f32]) -> Self {
         let (across, down) = (width.div_ceil(SIDE), (edges.len() - 1).div_ceil(SIDE));
         let mut mosaic = Self {
@@ -57,13 +59,13 @@ impl Mosaic {
         mosaic.sum = moments.iter().map(|block| block.weight).sum();
         let scale = mosaic.sum.max(f64::MIN_POSITIVE).recip();
         mosaic.blocks.push(|x, y| (moments[y * across + x].weight * scale) as f32);
-        let even = |(block, moments): (usize, &Moments)| {
+        let constant = |(block, moments): (usize, &Moments)| {
             let chance = mosaic.blocks.chance(0, [block % across, block / across]);
-            Kind::Even(chance / moments.area as f32)
+            Kind::Constant(chance / moments.area as f32)
         };
-        mosaic.kinds = moments.iter().enumerate().map(even).collect();
-        for block in uneven(&moments, VARIANCE * mosaic.sum) {
-            mosaic.kinds[block] = Kind::Uneven(mosaic.cells.len() as u32);
+        mosaic.kinds = moments.iter().enumerate().map(constant).collect();
+        for block in blocks_of_cells(&moments, VARIANCE * mosaic.sum) {
+            mosaic.kinds[block] = Kind::Cells(mosaic.cells.len() as u32);
             let [left, top] = mosaic.corner(block);
             let rows = mosaic.edges.len() - 1;
             let edges = &mosaic.edges;
@@ -80,19 +82,20 @@ impl Mosaic {
         mosaic
     }
 
-    /// A place `[x, y]`, and its density per area; none if the density is zero everywhere.
+    /// Samples a point `[x, y]`. Returns it with its density per area, or `None` if the density is
+    /// 0 everywhere.
     pub(super) fn draw(&self, u: Vec2) -> Option<(Vec2, f32)> {
         let ([x, y], chance, place) = self.blocks.draw(0, u)?;
         let block = y * self.across + x;
         let [left, top] = self.corner(block);
         let between = |from: f32, to: f32, s: f32| from + s * (to - from);
         match self.kinds[block] {
-            Kind::Even(density) => {
+            Kind::Constant(density) => {
                 let (right, bottom) = self.end(left, top);
                 let x = between(left as f32, right as f32, place.x);
                 Some((Vec2::new(x, between(self.edges[top], self.edges[bottom], place.y)), density))
             }
-            Kind::Uneven(cells) => {
+            Kind::Cells(cells) => {
                 let ([x, y], share, place) = self.cells.draw(cells as usize, place)?;
                 let row = top + y;
                 let (from, to) = (self.edges[row], self.edges[row + 1]);
@@ -102,12 +105,12 @@ impl Mosaic {
         }
     }
 
-    /// The density in a cell.
+    /// Returns the density in a cell.
     pub(super) fn density(&self, column: usize, row: usize) -> f32 {
         let (x, y) = (column / SIDE, row / SIDE);
         match self.kinds[y * self.across + x] {
-            Kind::Even(density) => density,
-            Kind::Uneven(cells) => {
+            Kind::Constant(density) => density,
+            Kind::Cells(cells) => {
                 let share = self.cells.chance(cells as usize, [column % SIDE, row % SIDE]);
                 let chance = self.blocks.chance(0, [x, y]) * share;
                 chance / (self.edges[row] - self.edges[row + 1])
@@ -115,12 +118,12 @@ impl Mosaic {
         }
     }
 
-    /// Column and row of the first cell of a block.
+    /// Returns column and row of the first cell of a block.
     fn corner(&self, block: usize) -> [usize; 2] {
         [block % self.across * SIDE, block / self.across * SIDE]
     }
 
-    /// Behind the last column and row of the block that begins here.
+    /// Returns the ends of the columns and rows of the block whose first cell this is.
     fn end(&self, left: usize, top: usize) -> (usize, usize) {
         ((left + SIDE).min(self.width), (top + SIDE).min(self.edges.len() - 1))
     }
@@ -141,7 +144,7 @@ impl Mosaic {
     }
 }
 
-/// Integrals over a block of 1, the brightness and its square.
+/// Integrals of 1, the brightness and its square over a block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moments {
     area: f64,
@@ -149,10 +152,12 @@ struct Moments {
     square: f64,
 }
 
-/// The blocks that need all their cells, so that the others add no more than `most`.
-fn uneven(moments: &[Moments], most: f64) -> Vec<usize> {
-    // What is drawn is brightness over density. With the density `weight / area / total` in place of
-    // `brightness / total` its second moment becomes `square area / weight`, not `weight`, times the total.
+/// Returns the blocks that need the resolution of cells, so that the others add at most `most` to
+/// the second moment.
+fn blocks_of_cells(moments: &[Moments], most: f64) -> Vec<usize> {
+    // The estimate is brightness over density. With the density `weight / area / total` of a block
+    // instead of `brightness / total` its second moment is `square area / weight`, not `weight`,
+    // times the total.
     let excess = |block: &usize| {
         let Moments { area, weight, square } = moments[*block];
         if weight > 0.0 { square * area / weight - weight } else { 0.0 }
@@ -228,7 +233,7 @@ mod tests {
     fn blocks_have_cells_only_where_it_is_uneven() {
         let count = |image| {
             let (mosaic, _) = mosaic([64, 32], image);
-            mosaic.kinds.iter().filter(|kind| matches!(kind, Kind::Uneven(_))).count()
+            mosaic.kinds.iter().filter(|kind| matches!(kind, Kind::Cells(_))).count()
         };
         assert_eq!(count(smooth), 0);
         assert_eq!(count(sun), 1);

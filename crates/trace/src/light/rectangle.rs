@@ -1,4 +1,4 @@
-//! Drawing from a rectangle, even over the directions in which it is seen.
+//! Sampling a rectangle uniformly by solid angle.
 //!
 //! Source: C. Ureña, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical
 //! Rectangles", Computer Graphics Forum 32(4), 2013.
@@ -6,37 +6,40 @@
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// A corner and the edges that leave it, at a right angle.
+/// A corner and the two perpendicular edges at it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rectangle {
     pub(super) corner: Vec3,
     pub(super) edges: [Vec3; 2],
     pub(super) normal: Vec3,
     area: f32,
-    /// Along the edges and across them, of unit length, and the lengths of the edges.
+    /// Unit vectors along both edges and along the normal.
     axes: [DVec3; 3],
+    /// Lengths of the edges.
     lengths: [f64; 2],
 }
 
-/// A rectangle as seen from a point, in coordinates along its edges and away from it.
+/// A rectangle in coordinates about an eye, along its axes.
 struct Seen {
     x: [f64; 2],
     y: [f64; 2],
-    /// Not positive.
+    /// Minus the distance of the plane from the eye.
     z: f64,
-    /// Of the normals of the planes through the eye and the edges along x.
+    /// z components of the normals of the planes through the eye and the edges along x.
     slopes: [f64; 2],
-    /// Cosine and sine of the sum of the angles at two of the corners.
+    /// Cosine and sine of the sum of the angles at two corners of the spherical rectangle.
     offset: DVec2,
     solid_angle: f64,
 }
 
-/// Below this solid angle, area is drawn, which is as even there. The solid angle itself, the angle of a
-/// product, has an error of some units of roundoff, 1e-15.
+/// Solid angle below which the rectangle is sampled by area, which is nearly uniform by solid angle
+/// there. The solid angle, computed as the angle of a complex product, has an error of some
+/// roundoffs, 1e-15.
 const LEAST: f64 = 1e-4;
 
 impl Rectangle {
-    /// None if the corners, in order, do not make a rectangle up to the rounding of files.
+    /// Returns the rectangle of four corners in order, or `None` if they are not one up to the
+    /// rounding of decimal numbers in files.
     pub(super) fn try_new([p0, p1, p2, p3]: [Vec3; 4]) -> Option<Self> {
         let edges = [p1 - p0, p3 - p0];
         let size = edges[0].length() * edges[1].length();
@@ -67,28 +70,31 @@ impl Rectangle {
         let (x0, y0) = (to.dot(x), to.dot(y));
         let (x1, y1) = (x0 + self.lengths[0], y0 + self.lengths[1]);
         // The planes through the eye and an edge have normals (0, z, -y0), (-z, 0, x1), (0, -z, y1)
-        // and (z, 0, -x0). Of unit length, neighbours have the product of their z as dot product.
+        // and (z, 0, -x0). The dot product of two neighbours of unit length is the product of their
+        // z.
         let depth2 = depth * depth;
         let slope = |edge: f64| {
             let rest2 = 1.0 / (edge * edge + depth2);
-            // With what its square is short of 1.
+            // The component, and 1 minus its square.
             (edge * rest2.sqrt(), depth2 * rest2)
         };
         let slopes = [slope(-y0), slope(x1), slope(y1), slope(-x0)];
-        // The angle of two planes as a complex number of length 1: 1 - (1 - p)(1 - q) does not cancel.
+        // The angle between two planes as a complex number of length 1; 1 - (1 - p)(1 - q) is
+        // expanded so that it does not cancel.
         let angle = |a: usize, b: usize| {
             let ((sa, p), (sb, q)) = (slopes[a], slopes[b]);
             DVec2::new(-sa * sb, (p + q - p * q).sqrt())
         };
-        // Products add angles. The sum of all is a whole turn more than the solid angle.
+        // Products add angles. The sum of all four is the solid angle plus 2 pi.
         let offset = angle(2, 3).rotate(angle(3, 0));
         let whole = angle(0, 1).rotate(angle(1, 2)).rotate(offset);
         let angle = whole.y.atan2(whole.x);
-        // More than half a turn, which comes out negative, is seen only from near above.
+        // A solid angle above pi wraps to a negative angle; it occurs only near above the
+        // rectangle.
         let above = x0 <= 0.0 && x1 >= 0.0 && y0 <= 0.0 && y1 >= 0.0;
         let near = above && -depth < self.lengths[0].max(self.lengths[1]);
         let solid_angle = if angle < 0.0 && near { angle + TAU } else { angle };
-        // False for a NaN: an eye in the plane of the rectangle.
+        // The comparison is false for NaN, which an eye in the plane of the rectangle causes.
         (solid_angle > LEAST).then_some(Seen {
             x: [x0, x1],
             y: [y0, y1],
@@ -99,16 +105,18 @@ impl Rectangle {
         })
     }
 
-    /// Density per solid angle of [`Self::sample`]; none if it draws area.
+    /// Returns the density of [`Self::sample`] per solid angle, or `None` if the rectangle is
+    /// sampled by area.
     pub(super) fn pdf(&self, from: Vec3) -> Option<f32> {
         Some((1.0 / self.seen(from)?.solid_angle) as f32)
     }
 
-    /// Where on the edges the point is, and its density per solid angle; none if seen too small.
+    /// Samples a point. Returns its coordinates in units of the edges and its density per solid
+    /// angle, or `None` if the solid angle is too small.
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<(Vec2, f32)> {
         let seen = self.seen(from)?;
         let [b0, b1] = seen.slopes;
-        // The angle of the whole circle less the last two is that of their conjugate.
+        // 2 pi minus the sum of the last two angles is the angle of their conjugate.
         let share = DVec2::from_angle(f64::from(u.x) * seen.solid_angle);
         let DVec2 { x: cosine, y: sine } = share.rotate(DVec2::new(seen.offset.x, -seen.offset.y));
         let f = (cosine * b0 - b1) / sine;

@@ -1,4 +1,4 @@
-//! Drawing from round emitters, only from the part that is seen.
+//! Sampling the visible part of round emitters.
 
 use super::flat::linear;
 use glam::{Vec2, Vec3};
@@ -8,12 +8,12 @@ use std::f32::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RoundPoint {
     pub(super) position: Vec3,
-    /// Outwards, of unit length.
+    /// Outward normal of unit length.
     pub(super) normal: Vec3,
     pub(super) density: Density,
 }
 
-/// A density in one of two measures.
+/// A density per area or per solid angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Density {
     Area(f32),
@@ -32,15 +32,15 @@ impl Ball {
         2.0 * TAU * self.radius * self.radius
     }
 
-    /// `1 - cos` of the half angle under which the ball is seen; none from inside.
+    /// Returns `1 - cos` of the half angle that the ball subtends, or `None` from inside.
     fn aperture(&self, from: Vec3) -> Option<f32> {
         let distance2 = self.center.distance_squared(from);
         let sine2 = self.radius * self.radius / distance2;
         (sine2 < 1.0).then(|| sine2 / (1.0 + (1.0 - sine2).sqrt()))
     }
 
-    /// Density of [`Self::sample`]: even over the cone of directions that meet the ball, or over the
-    /// surface if seen from inside.
+    /// Returns the density of [`Self::sample`]: uniform over the cone of directions to the ball, or
+    /// over the surface if `from` is inside.
     pub(super) fn density(&self, from: Vec3) -> Density {
         match self.aperture(from) {
             Some(aperture) => Density::SolidAngle(1.0 / (TAU * aperture)),
@@ -55,7 +55,7 @@ impl Ball {
             Some(aperture) => {
                 let to_eye = (from - self.center).normalize();
                 let distance = self.center.distance(from);
-                // The angle at the eye, then the angle at the center by the law of sines.
+                // The angle at the eye is sampled; the law of sines gives the angle at the center.
                 let away = u.x * aperture;
                 let cosine = 1.0 - away;
                 let sine2 = away * (2.0 - away);
@@ -72,14 +72,14 @@ impl Ball {
     }
 }
 
-/// A rounded cone, the hull of two balls neither of which holds the other.
+/// A rounded cone: the convex hull of two balls, neither of which contains the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cone {
     pub(super) balls: [Ball; 2],
-    /// From the first center to the second, of unit length.
+    /// Direction from the first center to the second, of unit length.
     axis: Vec3,
     length: f32,
-    /// Of the angle between the flank's normals and the plane across the axis.
+    /// Sine of the angle between the normals of the flank and the plane perpendicular to the axis.
     sine: f32,
     cosine: f32,
 }
@@ -87,13 +87,13 @@ pub(super) struct Cone {
 /// The parts of a cone's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
-    /// What the ball of this index shows.
+    /// The cap of the ball of this index.
     Cap(usize),
     Flank,
 }
 
 impl Cone {
-    /// None if one ball holds the other.
+    /// Returns `None` if one ball contains the other.
     pub(super) fn try_new(balls: [Ball; 2]) -> Option<Self> {
         let [b0, b1] = balls;
         let length = b0.center.distance(b1.center);
@@ -107,13 +107,13 @@ impl Cone {
         })
     }
 
-    /// Areas of both caps and the flank.
+    /// Returns the areas of both caps and the flank.
     fn areas(&self) -> [f32; 3] {
         let [r0, r1] = self.balls.map(|ball| ball.radius);
         [
             TAU * r0 * r0 * (1.0 + self.sine),
             TAU * r1 * r1 * (1.0 - self.sine),
-            // Mean circumference times slant height; both carry the cosine.
+            // Mean circumference times slant height; both have the cosine as a factor.
             PI * (r0 + r1) * self.cosine * self.length * self.cosine,
         ]
     }
@@ -122,34 +122,36 @@ impl Cone {
         self.areas().iter().sum()
     }
 
-    /// Half the range of azimuths whose flank faces `from`, and the middle of the range.
+    /// Returns half the range of azimuths at which the flank faces `from`, and the middle of the
+    /// range.
     ///
-    /// A plane that touches the flank touches both balls, so a generator with normal n is seen if
-    /// n . (from - p0) > r0; with n = cosine * radial + sine * axis that bounds the azimuth.
+    /// A tangent plane of the flank is tangent to both balls, so a generator with normal n is
+    /// visible if n . (from - p0) > r0. With n = cosine * radial + sine * axis that bounds the
+    /// azimuth.
     fn visible_flank(&self, from: Vec3) -> (f32, Vec3) {
         let to = from - self.balls[0].center;
         let along = to.dot(self.axis);
         let across = to - along * self.axis;
         let bound = (self.balls[0].radius - self.sine * along) / (self.cosine * across.length());
         let middle = across.try_normalize().unwrap_or_else(|| self.axis.any_orthonormal_vector());
-        // On the axis the bound is infinite of either sign, or NaN where the cone has no flank.
+        // On the axis the bound is infinite with either sign, or NaN if the cone has no flank.
         (if bound.is_nan() { 0.0 } else { bound.clamp(-1.0, 1.0).acos() }, middle)
     }
 
-    /// Visible areas of both caps and the flank, caps counted as half seen: the chances of the parts
-    /// before they are divided by their sum.
+    /// Returns the visible areas of both caps and the flank, with half of each cap: the
+    /// probabilities of the parts up to normalization.
     fn visible_areas(&self, from: Vec3) -> [f32; 3] {
         let [cap0, cap1, flank] = self.areas();
         let (half_range, _) = self.visible_flank(from);
         [0.5 * cap0, 0.5 * cap1, flank * half_range / PI]
     }
 
-    /// True if `from` is in the hull of the balls.
+    /// True if `from` is inside of the cone.
     fn holds(&self, from: Vec3) -> bool {
         let to = from - self.balls[0].center;
         let along = to.dot(self.axis);
         let across = (to - along * self.axis).length();
-        // Against the flank's normal from the point, the axis is met this far along.
+        // The line from the point against the normal of the flank meets the axis here.
         let nearest = (along - across * self.sine / self.cosine).clamp(0.0, self.length);
         let radius = self.balls[0].radius - self.sine * nearest;
         (along - nearest).powi(2) + across * across <= radius * radius
@@ -166,7 +168,7 @@ impl Cone {
         }
     }
 
-    /// Density of [`Self::sample`] at a point of the surface.
+    /// Returns the density of [`Self::sample`] at a point of the surface.
     pub(super) fn density(&self, from: Vec3, position: Vec3) -> Density {
         if self.holds(from) {
             return Density::Area(1.0 / self.area());
@@ -178,13 +180,14 @@ impl Cone {
                 Density::Area(pdf) => Density::Area(areas[index] / sum * pdf),
                 Density::SolidAngle(pdf) => Density::SolidAngle(areas[index] / sum * pdf),
             },
-            // Its chance over its visible area.
+            // The probability of the flank over its visible area.
             Part::Flank => Density::Area(1.0 / sum),
         }
     }
 
-    /// A point of the surface: even over the visible flank, and over the directions to the ball of a
-    /// cap; none if the ball shows another face there, which is inside of the cone.
+    /// Samples a point: uniformly over the visible flank, or over the directions to the ball of a
+    /// cap. Returns `None` if the point of that ball does not belong to its cap, and is inside of
+    /// the cone.
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<RoundPoint> {
         let inside = self.holds(from);
         let areas = if inside { self.areas() } else { self.visible_areas(from) };
@@ -214,7 +217,8 @@ impl Cone {
             .then(|| RoundPoint { density: self.density(from, point.position), ..point })
     }
 
-    /// Position and normal, even over the azimuths within `half_range` of `middle`.
+    /// Samples position and normal uniformly over the flank within the azimuth `half_range` of
+    /// `middle`.
     fn flank(&self, u: Vec2, half_range: f32, middle: Vec3) -> [Vec3; 2] {
         let [b0, b1] = self.balls;
         let along = linear(b0.radius, b1.radius, u.x);
@@ -226,10 +230,10 @@ impl Cone {
         [center + radius * normal, normal]
     }
 
-    /// Position and normal, even over the cap of one ball.
+    /// Samples position and normal uniformly over the cap of a ball.
     fn cap(&self, index: usize, u: Vec2) -> [Vec3; 2] {
         let Ball { center, radius } = self.balls[index];
-        // Archimedes: area is even along the axis, here between the flank and the pole.
+        // By Archimedes, area is uniform along the axis, here between the flank and the pole.
         let pole = if index == 0 { -1.0 } else { 1.0 };
         let height = self.sine + u.x * (pole - self.sine);
         let side = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();

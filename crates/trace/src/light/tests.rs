@@ -1,4 +1,4 @@
-//! Drawn lights against integrals over their exact surfaces, in `f64`.
+//! Sampled lights against integrals over their exact surfaces, in `f64`.
 
 mod irradiance;
 
@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 const SAMPLES: u32 = 1 << 15;
 
-/// A scene with one shape, of radiance 1.
+/// Returns a scene with one shape of radiance 1.
 fn shining(elements: Elements, method: Method, positions: &[[f32; 3]], radii: &[f32]) -> Scene {
     let shape = Shape {
         name: String::new(),
@@ -42,7 +42,8 @@ fn lights(scene: &Scene) -> Lights {
     Lights::build(scene).expect("a valid scene")
 }
 
-/// Irradiance on a receiver, drawn; each sample must be seen, and found again with its density.
+/// Estimates the irradiance on a receiver from light samples. Each sample must be visible, and the
+/// density of its hit must be that of the sample.
 fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
     let (trees, lights) = (
         Trees::build(scene).expect("the scene is valid"),
@@ -57,7 +58,8 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
             continue;
         };
         let cosine = normal.dot(light.incoming);
-        // What is below the horizon does not count; near the silhouette a ray may miss by rounding.
+        // Samples below the horizon contribute nothing; near the silhouette a ray may miss by
+        // rounding.
         if cosine <= 0.0 {
             continue;
         }
@@ -67,7 +69,7 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
             Some(hit) if hit.position.distance(source.position) < 1e-3 => {
                 let pdf = lights.pdf(&receiver, &hit);
                 let slant = hit.normal.dot(light.incoming).abs();
-                // A slanted surface makes the density per solid angle as steep.
+                // At grazing angles the density per solid angle amplifies rounding.
                 assert!(
                     (pdf - light.pdf).abs() <= 1e-4 / slant * light.pdf || slant < 0.01,
                     "{pdf} is not {} at {hit:?}",
@@ -78,18 +80,18 @@ fn drawn(scene: &Scene, position: Vec3, normal: Vec3) -> f64 {
         }
         sum += f64::from(cosine / light.pdf * lights.radiance(scene, &light).x);
     }
-    // A patch can stand in its own light; all else here is convex.
+    // A patch can occlude itself; the other shapes are convex.
     let bends = matches!(scene.shapes[0].elements, Elements::Quads(_));
     assert!(bends || lost * 500 < SAMPLES, "{lost} samples are not seen");
     sum / f64::from(SAMPLES)
 }
 
-/// Irradiance of what an outline of straight edges covers, as seen from `eye`: the sum over edges of the
-/// angle they are seen under, along the normal of the plane through the edge and the eye.
+/// Returns the irradiance from a polygon: the sum over its edges of the subtended angle, along the
+/// normal of the plane through the edge and the eye.
 ///
 /// Source: J. Lambert, "Photometria", 1760.
 fn lambert(corners: &[DVec3], eye: DVec3, normal: DVec3) -> f64 {
-    // Only what is above the horizon, to which a great circle is clipped as a line is to a plane.
+    // The polygon is clipped to the horizon; a great circle is clipped like a line by a plane.
     let mut above = Vec::new();
     for (i, &corner) in corners.iter().enumerate() {
         let [a, b] = [corner, corners[(i + 1) % corners.len()]].map(|c| c - eye);
@@ -125,7 +127,7 @@ fn a_ball_overhead_lights_as_the_closed_form_says() {
 
 #[test]
 fn a_rectangle_lights_as_the_closed_form_says() {
-    // With either method, and as two triangles of a mesh.
+    // As quads of either method, and as two triangles of a mesh.
     let corners = [[-0.5, 0.0, -0.3], [0.5, 0.0, -0.3], [0.5, 0.0, 0.3], [-0.5, 0.0, 0.3]];
     let quad = || Elements::Quads(vec![[0, 1, 2, 3]]);
     let scenes = [
@@ -179,7 +181,8 @@ fn the_triangles_of_a_rectangle_shine_as_one() {
     }
 }
 
-/// Ten thousand balls of very unequal power: the choice must be right, and better than one by power.
+/// Ten thousand balls of very unequal power: the estimate must be unbiased, and better than by
+/// power alone.
 #[test]
 fn many_lights_are_chosen_by_what_they_add() {
     const COUNT: usize = 10_000;
@@ -215,7 +218,7 @@ fn many_lights_are_chosen_by_what_they_add() {
         values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
     let error = (variance / values.len() as f64).sqrt();
     assert!((mean - expected).abs() < 4.0 * error, "{mean} +- {error}, not {expected}");
-    // By power alone the relative deviation is about 9 here.
+    // Sampling by power alone has a relative standard deviation of about 9 here.
     assert!(variance.sqrt() < 2.0 * mean, "deviation {} of {mean}", variance.sqrt());
 }
 
@@ -246,7 +249,7 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
     };
     let lights = lights(&scene);
     let receiver = Receiver { position: Vec3::ZERO, normal: None };
-    // The truth, and the sum of the density, by the midpoint rule.
+    // The expected irradiance and the integral of the density, by the midpoint rule.
     const STEPS: usize = 800;
     let (mut truth, mut total) = (0.0, 0.0);
     for i in 0..STEPS {
@@ -263,14 +266,14 @@ fn an_image_and_its_density_integrate_to_what_they_should() {
         }
     }
     assert!((total - 1.0).abs() < 2e-3, "the density sums to {total}");
-    // The density leaves out what is darker than the mean, so it needs a partner.
+    // The density is 0 where the sky is darker than its mean, so a second technique is needed.
     let uniform = 1.0 / (4.0 * PI as f32);
     let (mut sum, mut edges) = (0.0, 0);
     for index in 0..SAMPLES {
         let [x, y, choice, _] = Sampler::new(Sequence::Sobol, 1, 0, 0, index).set(0);
         let light = lights.sample(&receiver, choice, Vec2::new(x, y)).expect("it shines");
         let (_, again) = lights.environment(&scene, Some(&receiver), light.incoming);
-        // Some directions are rounded over the edge of their cell.
+        // Rounding moves some directions across the edge of their cell.
         edges += u32::from((again - light.pdf).abs() > 1e-3 * light.pdf);
         sum += f64::from(
             power_heuristic(light.pdf, uniform) * lights.radiance(&scene, &light).x / light.pdf,

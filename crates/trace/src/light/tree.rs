@@ -1,4 +1,4 @@
-//! Choosing one of many emitters by what it can add to the light at a point.
+//! A light tree: sampling one of many emitters by a bound on its irradiance at a point.
 //!
 //! Source: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", HPG 2018; without the splitting.
@@ -6,21 +6,22 @@
 use glam::Vec3;
 use rotund_geometry::Aabb;
 
-/// What a group of emitters can do.
+/// Bounds of a group of emitters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) bounds: Aabb,
-    /// Luminance times area.
+    /// Sum of luminance times area.
     pub(super) power: f32,
-    /// The normal they all share, either side of it, if they do; else zero.
+    /// Common normal of all emitters up to its sign, or zero.
     pub(super) normal: Vec3,
 }
 
-/// A binary tree over emitters. Nodes stand in depth-first order; the root is node 0.
+/// A binary tree over emitters, with nodes in depth-first order; the root is node 0.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LightTree {
     nodes: Vec<Node>,
-    /// For each emitter, the turns from the root to its leaf, first turn in the lowest bit.
+    /// For each emitter, its path from the root: bit `depth` is set if it is in the second child
+    /// there.
     trails: Vec<u64>,
 }
 
@@ -32,9 +33,9 @@ struct Node {
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// The first child follows its parent; this is the second.
+    /// Index of the second child; the first follows its parent.
     Fork(u32),
-    /// An emitter.
+    /// Index of the emitter.
     Leaf(u32),
 }
 
@@ -43,19 +44,20 @@ enum Kind {
 pub struct Receiver {
     /// The point, in world space.
     pub position: Vec3,
-    /// Shading normal, of unit length, where only light from above the surface counts; `None` inside of a
-    /// medium and on surfaces that transmit light. It must be the same for all densities of one
-    /// vertex.
+    /// Shading normal, of unit length, where only light from above the surface counts; `None`
+    /// inside of a medium and on surfaces that transmit light. It must be the same for all
+    /// densities of one vertex.
     pub normal: Option<Vec3>,
 }
 
-/// Deeper than this, groups are halved by count, so a trail has at most this and 32 turns.
+/// Depth below which groups are halved by count, so that a trail has at most 32 bits more than
+/// this.
 const GREEDY_DEPTH: usize = 30;
-/// How many places to split a group are compared along each axis.
+/// Number of bins along each axis, between which a group may be split.
 const BINS: usize = 12;
 
 impl LightTree {
-    /// Emitters without power are left out; nothing chooses them.
+    /// Builds a tree of the emitters with power; the others are never sampled.
     pub(super) fn new(emitters: &[Extent]) -> Self {
         let mut tree = Self { nodes: Vec::new(), trails: vec![0; emitters.len()] };
         let mut members: Vec<u32> =
@@ -86,13 +88,14 @@ impl LightTree {
         self.build(emitters, second, depth + 1, trail | 1 << depth);
     }
 
-    /// A bound on the irradiance that all emitters together can cause, up to occlusion and up to
-    /// what nearness to an end of a group adds.
+    /// Returns an estimate of the irradiance of all emitters together: an upper bound but for the
+    /// variation of the distance within a group, without occlusion.
     pub(super) fn importance(&self, receiver: &Receiver) -> f32 {
         self.nodes.first().map_or(0.0, |root| root.extent.importance(receiver))
     }
 
-    /// An emitter and its chance; none if none can light the receiver.
+    /// Samples an emitter. Returns its index and probability, or `None` if no emitter can
+    /// illuminate the receiver.
     pub(super) fn choose(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
         let mut index = 0;
         let mut chance = 1.0;
@@ -116,7 +119,7 @@ impl LightTree {
         }
     }
 
-    /// The chance that [`Self::choose`] takes this emitter, which must have power.
+    /// Returns the probability that [`Self::choose`] returns this emitter, which must have power.
     pub(super) fn chance(&self, receiver: &Receiver, emitter: u32) -> f32 {
         let mut index = 0;
         let mut chance = 1.0;
@@ -152,7 +155,7 @@ impl Extent {
         }
     }
 
-    /// Zero only if no light can come.
+    /// Returns the importance of the group for a receiver: 0 only if no light can reach it.
     fn importance(&self, receiver: &Receiver) -> f32 {
         let center = self.bounds.center();
         let radius2 = 0.25 * (self.bounds.max - self.bounds.min).length_squared();
@@ -162,7 +165,7 @@ impl Extent {
         if distance2 <= radius2 {
             return near;
         }
-        // The group is seen within this angle of its center.
+        // Cosine and sine of the half angle that the bounding sphere subtends.
         let sine2 = radius2 / distance2;
         let spread = [(1.0 - sine2).sqrt(), sine2.sqrt()];
         let direction = to / distance2.sqrt();
@@ -178,8 +181,8 @@ impl Extent {
     }
 }
 
-/// The cosine of an angle less `[cosine, sine]` of another, or 1 if the other is larger: what a cosine
-/// can be at most within a cone.
+/// Returns the largest cosine within a cone of half angle `[cosine, sine]` about a direction of
+/// this cosine: the cosine of the difference of the angles, or 1 if the half angle is larger.
 fn widened_cosine(cosine: f32, [spread_cosine, spread_sine]: [f32; 2]) -> f32 {
     if cosine >= spread_cosine {
         return 1.0;
@@ -188,7 +191,7 @@ fn widened_cosine(cosine: f32, [spread_cosine, spread_sine]: [f32; 2]) -> f32 {
     cosine * spread_cosine + sine * spread_sine
 }
 
-/// Parts members in two groups that are not empty; returns the size of the first.
+/// Partitions members into two groups that are not empty, and returns the size of the first.
 fn split(emitters: &[Extent], members: &mut [u32], depth: usize) -> usize {
     let center = |e: &u32| emitters[*e as usize].bounds.center();
     let centers = Aabb::from_points(members.iter().map(center));
@@ -206,8 +209,8 @@ fn split(emitters: &[Extent], members: &mut [u32], depth: usize) -> usize {
                         .reduce(Extent::union)
                 };
                 let (Some(a), Some(b)) = (side(true), side(false)) else { continue };
-                // Power times size: bright groups should be small. Groups that share a normal
-                // count less, as their importance is sharper.
+                // Power times half area, so that bright groups are small. Groups with a common
+                // normal count less, because their bounds are tighter.
                 let cost = |e: Extent| {
                     let normals = if e.normal == Vec3::ZERO { 2.0 } else { 1.0 };
                     e.power * normals * e.bounds.half_area()
@@ -220,7 +223,7 @@ fn split(emitters: &[Extent], members: &mut [u32], depth: usize) -> usize {
         }
     }
     if let Some((_, axis, plane)) = best {
-        // Small groups are sorted, which keeps the order of members, and so the tree, the same.
+        // A stable sort keeps the order of members, so the tree is deterministic.
         members.sort_by_key(|e| center(e)[axis] >= plane);
         return members.partition_point(|e| center(e)[axis] < plane);
     }

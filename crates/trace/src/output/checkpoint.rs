@@ -1,9 +1,10 @@
-//! Films on disk, to go on with later or to merge with others.
+//! Films on disk, to be resumed later or merged with others.
 //!
-//! All numbers are little-endian: 16 bytes of magic with the version of the format; width, height, shard
-//! index and shard count as `u32`; rejected, fireflies, clamped and seed as `u64`; the length of the label
-//! as `u32`, and its UTF-8; for each pixel three sums as `u128`, the covered samples and all samples as
-//! `u32`; and a hash of all before it, so that a truncated or altered file is refused.
+//! All numbers are little-endian: 16 bytes of magic with the version of the format; width, height,
+//! shard index and shard count as `u32`; rejected, fireflies, clamped and seed as `u64`; the length
+//! of the label as `u32`, and its UTF-8; for each pixel three sums as `u128`, the covered samples
+//! and all samples as `u32`; and a hash of all before it, so that a truncated or altered file is
+//! refused.
 
 use super::{WriteError, write_with};
 use crate::Shard;
@@ -19,9 +20,9 @@ const MAGIC: &[u8; 16] = b"rotund film 003\n";
 const MAGIC_START: &[u8] = b"rotund film ";
 const PIXEL_BYTES: usize = 3 * 16 + 2 * 4;
 
-/// Why a checkpoint was refused.
+/// A reason why a checkpoint is refused.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages say it")]
+#[expect(missing_docs, reason = "the messages describe variants and fields")]
 pub enum CheckpointError {
     #[error("cannot read {}", path.display())]
     Read { path: PathBuf, source: io::Error },
@@ -33,7 +34,8 @@ pub enum CheckpointError {
     Damaged { path: PathBuf },
 }
 
-/// Writes all that [`load_film`] needs to give back the same film, complete or not at all.
+/// Writes a film to a file, from which [`load_film`] restores it bit for bit. The file is complete
+/// or not written at all.
 ///
 /// # Errors
 ///
@@ -61,11 +63,11 @@ pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), WriteError> 
     write_with(path, |file| file.write_all(&bytes))
 }
 
-/// Reads what [`save_film`] wrote.
+/// Reads a film that [`save_film`] wrote.
 ///
 /// # Errors
 ///
-/// If the file cannot be read, is something else, or was damaged.
+/// If the file cannot be read, is not a checkpoint or one of another version, or is damaged.
 pub fn load_film(path: impl AsRef<Path>) -> Result<Film, CheckpointError> {
     let path = path.as_ref();
     let bytes =
@@ -79,7 +81,7 @@ pub fn load_film(path: impl AsRef<Path>) -> Result<Film, CheckpointError> {
     parse(&bytes).ok_or_else(|| CheckpointError::Damaged { path: path.into() })
 }
 
-/// None if the bytes are not what they were.
+/// Returns the film of a file, or `None` if the bytes are not as they were written.
 fn parse(bytes: &[u8]) -> Option<Film> {
     let (content, expected) = bytes.split_last_chunk::<8>()?;
     if hash(content) != u64::from_le_bytes(*expected) {
@@ -123,7 +125,7 @@ fn pixel(bytes: &[u8]) -> Option<PixelSum> {
     })
 }
 
-/// FNV-1a over words of eight bytes: against accidents, not against malice.
+/// Returns the FNV-1a hash over words of eight bytes. It detects accidents, not malice.
 fn hash(bytes: &[u8]) -> u64 {
     bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325, |hash, chunk| {
         let mut word = [0; 8];

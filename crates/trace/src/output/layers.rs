@@ -1,4 +1,4 @@
-//! Pictures with all that is known of their pixels.
+//! Pictures with their auxiliary layers in one EXR.
 
 use super::{WriteError, write_with};
 use crate::Layers;

@@ -1,4 +1,4 @@
-//! Image files, PNG for eyes, EXR and HDR for numbers; and films to go on with.
+//! Files: images as PNG, EXR and HDR, layers as EXR, and films as checkpoints.
 
 mod checkpoint;
 mod layers;

@@ -1,11 +1,11 @@
 //! Radiance along one path from the camera.
 //!
 //! At each vertex one direction is sampled from the lights and one from the BSDF, or from the phase
-//! function inside of a medium. Multiple importance sampling weights both by the power heuristic, since
-//! each technique could have sampled the direction of the other. The path continues along the second
-//! direction; the surface that it hits tells with which density the lights would have sampled it.
-//! Inside of a solid that scatters, no light can be sampled through the refracting wall; there a path is
-//! split, and all parts continue.
+//! function inside of a medium. Multiple importance sampling weights both by the power heuristic,
+//! since each technique could have sampled the direction of the other. The path continues along the
+//! second direction; the surface that it hits tells with which density the lights would have
+//! sampled it. Inside of a solid that scatters, no light can be sampled through the refracting
+//! wall; there a path is split, and all parts continue.
 
 mod scatter;
 
@@ -19,14 +19,14 @@ use rotund_scene::{MaterialKind, SceneHit};
 
 /// Number of segments after which Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 4;
-/// Throughput below which Russian roulette may end a path. A higher threshold saves less time than the
-/// noise it adds costs, above all where a few paths carry most of the light.
+/// Throughput below which Russian roulette may end a path. A higher threshold saves less time than
+/// the noise it adds costs, above all where a few paths carry most of the light.
 const ROULETTE_BELOW: f32 = 0.5;
 /// Dimension sets of a segment. The camera takes set 0, the segments follow.
 const SETS_PER_SEGMENT: u32 = 3;
 /// Number of parts that a path is split into where it enters a solid that scatters. No light can be
-/// sampled there through the wall, so all of it comes from the few paths that find the way out. Four
-/// parts share the cost of the segments before the split.
+/// sampled there through the wall, so all of it comes from the few paths that find the way out.
+/// Four parts share the cost of the segments before the split.
 const PARTS: u32 = 4;
 
 /// The vertex at which the last direction was sampled, unless it was a delta direction.
@@ -117,8 +117,8 @@ impl Path<'_> {
     fn step(&mut self) -> Next {
         let scene = self.context.scene;
         self.arrived.rays += 1;
-        // Borrow the hit instead of moving it: copying it right after the store stalls on store-to-load
-        // forwarding.
+        // Borrow the hit instead of moving it: copying it right after the store stalls on
+        // store-to-load forwarding.
         let found = self.context.trees.closest(scene, &self.ray);
         let Some(hit) = &found else {
             self.gather_environment();

@@ -104,21 +104,21 @@ impl Path<'_> {
     }
 }
 
-/// Returns the shading normal, or for walls of solids the geometric normal where the two face different
-/// sides. At the silhouette of a mesh an interpolated normal can face away from the viewer, and a path that
-/// enters the solid would be taken for one that leaves it.
+/// Returns the shading normal, or for walls of solids the geometric normal where the two face
+/// different sides. At the silhouette of a mesh an interpolated normal can face away from the
+/// viewer, and a path that enters the solid would be taken for one that leaves it.
 fn shading_normal(scene: &Scene, hit: &SceneHit, kind: MaterialKind, outgoing: Vec3) -> Vec3 {
     let normal = scene.shading_normal(hit, outgoing);
     let turned = normal.dot(outgoing) * hit.normal.dot(outgoing) < 0.0;
     if kind == MaterialKind::Refractive && turned { hit.normal } else { normal }
 }
 
-/// True if shading normal and geometric normal agree whether light is reflected or transmitted. Where the
-/// wall of a solid reflects by one and transmits by the other, a path would lose track of the solids that
-/// it is in.
+/// True if shading normal and geometric normal agree whether light is reflected or transmitted.
+/// Where the wall of a solid reflects by one and transmits by the other, a path would lose track of
+/// the solids that it is in.
 ///
-/// Opaque surfaces skip this test: there the shading normal alone decides, as in most renderers, and a
-/// direction below the geometric surface meets the inside of a closed mesh, which is dark.
+/// Opaque surfaces skip this test: there the shading normal alone decides, as in most renderers,
+/// and a direction below the geometric surface meets the inside of a closed mesh, which is dark.
 fn sides_agree(hit: &SceneHit, normal: Vec3, outgoing: Vec3, incoming: Vec3) -> bool {
     let shading = normal.dot(outgoing) * normal.dot(incoming) > 0.0;
     let geometric = hit.normal.dot(outgoing) * hit.normal.dot(incoming) > 0.0;

@@ -69,8 +69,8 @@ pub(crate) fn ball(center: [f32; 3], radius: f32) -> Shape {
     shape(Elements::Points(1), vec![Vec3::from_array(center)], vec![radius])
 }
 
-/// A scene of shapes, each with its own material, under a constant sky, before a camera that stands at
-/// `z = 4` and looks at the origin.
+/// A scene of shapes, each with its own material, under a constant sky, before a camera that stands
+/// at `z = 4` and looks at the origin.
 pub(crate) fn scene(parts: Vec<(Shape, Material)>, sky: Vec3) -> Scene {
     let camera = Camera {
         world_from_camera: Affine3A::from_translation(Vec3::new(0.0, 0.0, 4.0)),
@@ -97,8 +97,8 @@ pub(crate) fn scene(parts: Vec<(Shape, Material)>, sky: Vec3) -> Scene {
     scene
 }
 
-/// All that a path can meet: a glass ball with color inside, a rough metal tube, a sheet that is half
-/// there, a glossy floor, a light.
+/// All that a path can meet: a glass ball with color inside, a rough metal tube, a sheet that is
+/// half there, a glossy floor, a light.
 pub(crate) fn glass_over_a_floor() -> Scene {
     let material = |kind, color: [f32; 3], roughness| Material {
         kind,

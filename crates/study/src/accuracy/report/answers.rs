@@ -1,4 +1,4 @@
-//! Two published statements, held against the figures of this run.
+//! Two published statements, compared with the figures of this run.
 
 use std::fmt::Write as _;
 
@@ -8,9 +8,9 @@ use crate::accuracy::{
     study::{ShapeResult, Study, Summary},
     targets::short,
     timing::Timing,
-    truth::Exact,
 };
-use rotund_report::chart::escape;
+use crate::truth::Exact;
+use rotund_report::html::escape;
 
 pub(super) fn section(body: &mut String, study: &Study) {
     let find = |name: &str| study.shapes.iter().find(|s| s.shape == name && !s.timings.is_empty());

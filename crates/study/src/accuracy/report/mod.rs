@@ -13,11 +13,11 @@ use super::{
     study::{Options, Study},
     targets::{Verdict, short},
     timing::unsteady,
-    truth::Exact,
 };
-use rotund_report::chart::escape;
+use crate::truth::Exact;
+use rotund_report::html::{self, escape};
 
-/// The page.
+/// Writes the page.
 pub(super) fn page(study: &Study, verdicts: &[Verdict], options: &Options) -> Result<String> {
     let mut body = String::new();
     let met = verdicts.iter().filter(|v| v.met).count();
@@ -56,12 +56,7 @@ pub(super) fn page(study: &Study, verdicts: &[Verdict], options: &Options) -> Re
     }
     answers::section(&mut body, study);
     body += include_str!("how.html");
-    Ok(format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width\"><title>Rotund: speed against error</title><style>{}</style></head>\
-         <body>{body}</body></html>\n",
-        rotund_report::STYLE,
-    ))
+    Ok(html::page("Rotund: speed against error", "", &body))
 }
 
 fn heading(shape: &str) -> &'static str {
@@ -72,7 +67,7 @@ fn heading(shape: &str) -> &'static str {
     }
 }
 
-/// What the binary was compiled for, which decides about fused multiply-add and wide registers.
+/// Names the target of the build, which decides about fused multiply-add and wide registers.
 fn target_processor() -> String {
     let features = [
         ("AVX-512", cfg!(target_feature = "avx512f")),
@@ -141,7 +136,7 @@ mod tests {
         assert!(html.matches("data:image/png").count() >= 10, "two maps for each method");
         let case =
             html.split("\"case\"><code>").nth(1).and_then(|c| c.split('<').next()).expect("a case");
-        assert!(case.parse::<crate::accuracy::replay::Case>().is_ok(), "{case}");
+        assert!(case.parse::<crate::accuracy::case::Case>().is_ok(), "{case}");
         for tag in ["table", "tr", "td", "svg", "figure", "details", "div", "p"] {
             let open = html.matches(&format!("<{tag}>")).count()
                 + html.matches(&format!("<{tag} ")).count();

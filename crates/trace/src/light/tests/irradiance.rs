@@ -1,6 +1,6 @@
-//! What round and curved lights send to a surface that is near, far, turned half away, or touched: drawn
-//! from the light alone, from the surface alone, and rendered. The truth is a closed form, or a
-//! quadrature in `f64` over the exact surface.
+//! Irradiance from round and curved lights on a surface that is near, far, partly below the
+//! horizon, or in contact: by light samples alone, by BSDF samples alone, and rendered with both.
+//! The expected value is a closed form, or a quadrature in `f64` over the exact surface.
 
 use super::{SAMPLES, drawn, lambert, shining};
 use crate::{Options, Sampler, Sequence, World, warp};
@@ -9,23 +9,23 @@ use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{Camera, Elements, Instance, Material, Method, Scene, Shape, Trees};
 use std::f64::consts::{PI, TAU};
 
-/// A receiving surface: where it is, and its normal.
+/// A receiving surface: position and normal.
 type Receiver = (Vec3, Vec3);
 
-/// How much a test asks for.
+/// The estimators that a test covers.
 #[derive(Clone, Copy, PartialEq)]
 enum Ask {
-    /// Both samplers, and a picture by their union.
+    /// Light samples, surface samples, and a picture by both.
     All,
-    /// Not the light alone: it is so near that points of its surface are found where they matter too
-    /// seldom. That is what the union is for.
+    /// Surface samples, and a picture by both. The light is so near that its points are sampled too
+    /// rarely where they contribute most, so light samples alone converge slowly.
     Union,
-    /// The surface alone, where no camera can look.
+    /// Surface samples only, where no camera has a view.
     Surface,
 }
 
-/// Holds both samplers and their union to `expected`. `outwards` leads along the surface to where
-/// nothing hides it.
+/// Compares both samplers and their combination with `expected`. `outwards` points along the
+/// surface to where a camera sees it unoccluded.
 fn assert_lit(why: &str, light: &Scene, at: Receiver, outwards: Vec3, ask: Ask, expected: f64) {
     let within = |name: &str, found: f64, tolerance: f64| {
         let error = (found / expected - 1.0).abs();
@@ -41,7 +41,8 @@ fn assert_lit(why: &str, light: &Scene, at: Receiver, outwards: Vec3, ask: Ask, 
     }
 }
 
-/// Irradiance by directions that know nothing of the light, and a bound on its standard deviation.
+/// Estimates the irradiance from cosine-distributed directions. Returns it with a bound on its
+/// standard deviation.
 fn found_by_chance(scene: &Scene, (position, normal): Receiver) -> (f64, f64) {
     let trees = Trees::build(scene).expect("the scene is valid");
     let (x, y) = normal.any_orthonormal_pair();
@@ -53,11 +54,11 @@ fn found_by_chance(scene: &Scene, (position, normal): Receiver) -> (f64, f64) {
         trees.any(scene, &Ray::new(start, incoming))
     });
     let share = hits.count() as f64 / f64::from(SAMPLES);
-    // That of independent numbers, which a low-discrepancy sequence undercuts.
+    // The deviation of independent numbers, which a low-discrepancy sequence undercuts.
     (PI * share, PI * (share * (1.0 - share) / f64::from(SAMPLES)).sqrt())
 }
 
-/// Irradiance by the renderer: a camera that stands on a white square looks at its middle.
+/// Measures the irradiance by the renderer: a camera just above a white square looks at its center.
 fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 {
     const SIDE: u32 = 4;
     const REACH: f32 = 0.01;
@@ -81,7 +82,7 @@ fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 
         shape: 1,
         material: 1,
     });
-    // Nearly along the surface, below what touches it.
+    // Nearly parallel to the surface, below the light that touches it.
     let back = (outwards + 0.01 * normal).normalize();
     let (right, up) = back.any_orthonormal_pair();
     scene.cameras.push(Camera {
@@ -89,7 +90,7 @@ fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 
             matrix3: Mat3A::from_cols(right.into(), up.into(), back.into()),
             translation: Vec3A::from(position + REACH * back),
         },
-        // So narrow that it sees a tenth of the square.
+        // A field of view so narrow that it sees a tenth of the square.
         lens: 500.0,
         aspect: 1.0,
         ..Camera::default()
@@ -122,7 +123,8 @@ fn a_ball_lights_as_the_integral_over_its_directions_says() {
         ("touching, a hundredth of the radius away", [0.005, -0.5, 0.0], [0.0, 1.0, 0.0]),
     ] {
         let at = (Vec3::from(position), Vec3::from(normal).normalize());
-        // Around the direction to the center, the positive part of a + b cos(azimuth) has an integral.
+        // Around the direction to the center, the positive part of a + b cos(azimuth) has a
+        // closed-form integral.
         let to = -at.0.as_dvec3();
         let aperture = (0.5 / to.length()).asin();
         let cosine = at.1.as_dvec3().dot(to.normalize());
@@ -138,7 +140,7 @@ fn a_ball_lights_as_the_integral_over_its_directions_says() {
         let outwards = at.0.reject_from_normalized(at.1).normalize();
         assert_lit(why, &scene, at, outwards, Ask::All, expected);
     }
-    // Nothing else is seen from where it touches.
+    // From the point of contact the ball covers the whole hemisphere.
     let contact = (-0.5 * Vec3::Y, Vec3::Y);
     assert_lit("the point of contact", &scene, contact, Vec3::X, Ask::Surface, PI);
 }
@@ -152,7 +154,7 @@ fn a_rounded_cone_lights_as_the_integral_over_its_surface_says() {
         &[[-0.8, 0.0, 0.0], [0.8, 0.0, 0.0]],
         &[0.5, 0.2],
     );
-    // The flank's normals lean towards the thin end by this sine.
+    // Sine of the angle by which the normals of the flank lean towards the thin end.
     let lean: f64 = (r0 - r1) / (2.0 * half);
     let upright = (1.0 - lean * lean).sqrt();
     let normal_at = |along: f64, azimuth: f64| {
@@ -170,21 +172,21 @@ fn a_rounded_cone_lights_as_the_integral_over_its_surface_says() {
                 (DVec3::X * center + radius * n, n, TAU * radius * radius * (to - from).abs())
             })
         };
-        // Where the receiver is nearest, along and around.
+        // Parameters of the point nearest to the receiver.
         let eye = at.0.as_dvec3();
         let along = eye.x + half - eye.y.hypot(eye.z) * lean / upright;
         let focus =
             [(along / (2.0 * half)).clamp(0.0, 1.0), eye.z.atan2(eye.y).rem_euclid(TAU) / TAU];
         let flank = integrated(at, focus, |u, v| {
             let (q, n) = flank_at(u, TAU * v);
-            // Circumference times the slant height that one unit of u is.
+            // Circumference times the slant height per unit of u.
             (q, n, TAU * (r0 + u * (r1 - r0)) * upright * 2.0 * half * upright)
         });
         flank + cap(-half, r0, -1.0, lean) + cap(half, r1, 1.0, lean)
     };
     let (contact, out) = flank_at(0.4, PI);
     let (contact, floor) = (contact.as_vec3(), -out.as_vec3());
-    // Along the line in which the plane below touches the flank.
+    // Direction of the line in which the plane below touches the flank.
     let line = Vec3::Z.cross(floor);
     for (why, position, normal, ask) in [
         ("near", Vec3::new(0.1, -0.8, 0.2), Vec3::new(0.1, 1.0, 0.0), Ask::All),
@@ -221,7 +223,8 @@ fn a_patch_lights_as_the_closed_form_of_its_outline_says() {
         let scene = shining(Elements::Quads(vec![[0, 1, 2, 3]]), Method::Enhanced, &corners, &[]);
         let at = (Vec3::from(position), Vec3::from(normal).normalize());
         let [p00, p10, p11, p01] = floats(corners);
-        // Seen from one side all over, the patch covers what its outline does, however it bends.
+        // If all of the patch faces the eye with one side, it covers the same directions as its
+        // outline.
         let eye = at.0.as_dvec3();
         let seen = |i: u32, j: u32| {
             let (u, v) = (f64::from(i) / 32.0, f64::from(j) / 32.0);
@@ -239,8 +242,8 @@ fn a_patch_lights_as_the_closed_form_of_its_outline_says() {
     }
 }
 
-/// Irradiance by the midpoint rule over a convex surface `(position, normal, area)` of the unit
-/// square, with steps that become small towards `focus`.
+/// Integrates the irradiance from a convex surface `(position, normal, area)` over the unit square
+/// by the midpoint rule, with smaller steps towards `focus`.
 fn integrated(
     (position, normal): Receiver,
     focus: [f64; 2],
@@ -248,7 +251,7 @@ fn integrated(
 ) -> f64 {
     const STEPS: u32 = 400;
     let (at, up) = (position.as_dvec3(), normal.as_dvec3());
-    // Places and weights on both sides of the focus, cubed.
+    // Positions and weights on both sides of the focus, with cubic spacing.
     let [columns, rows] = focus.map(|focus| {
         let side = move |length: f64| {
             (0..STEPS).map(move |k| {

@@ -1,8 +1,10 @@
-//! Numbers of 106 bits, in which the truth is computed.
+//! Double-double arithmetic of 106 bits for oracles: the expected results of the tests, and the
+//! truth of the study of accuracy in `crates/study`, which includes this file by its path.
 //!
+//! It shares no code with the double-double of the product, so that an error there cannot hide.
 //! A [`Wide`] is the unevaluated sum of two `f64`, the second at most half a unit in the last place
-//! of the first. Sum, product, quotient and root are good to a few units of 2⁻¹⁰⁴ over the whole
-//! range that products of four `f32` reach, also without fused multiply-add.
+//! of the first. Sum, product, quotient and root are accurate to a few units of 2⁻¹⁰⁴ over the
+//! whole range that products of four `f32` reach, also without fused multiply-add.
 //!
 //! Source: T. J. Dekker, "A floating-point technique for extending the available precision",
 //! Numerische Mathematik 18, 1971; Y. Hida, X. Li, D. Bailey, "Algorithms for quad-double precision
@@ -15,34 +17,34 @@ use std::{
 
 use glam::{DVec3, Vec3};
 
-/// A number of 106 bits.
+/// A number with a significand of 106 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wide {
     hi: f64,
     lo: f64,
 }
 
-/// The sum and its rounding error, for any two numbers.
+/// Returns the sum and its rounding error, for any two numbers.
 fn two_sum(a: f64, b: f64) -> Wide {
     let hi = a + b;
     let b_part = hi - a;
     Wide { hi, lo: (a - (hi - b_part)) + (b - b_part) }
 }
 
-/// The sum and its rounding error, if `|a| >= |b|`.
+/// Returns the sum and its rounding error, if `|a| >= |b|`.
 fn quick_two_sum(a: f64, b: f64) -> Wide {
     let hi = a + b;
     Wide { hi, lo: b - (hi - a) }
 }
 
-/// Two halves of 26 bits, the sum of which is `a`.
+/// Splits `a` into two numbers of 26 bits, the sum of which is `a`.
 fn split(a: f64) -> (f64, f64) {
     let scaled = 134_217_729.0 * a; // 2²⁷ + 1
     let high = scaled - (scaled - a);
     (high, a - high)
 }
 
-/// The product and its rounding error.
+/// Returns the product and its rounding error.
 fn two_product(a: f64, b: f64) -> Wide {
     let hi = a * b;
     let ((ah, al), (bh, bl)) = (split(a), split(b));
@@ -54,22 +56,16 @@ impl Wide {
     pub(crate) const ONE: Self = Self { hi: 1.0, lo: 0.0 };
     pub(crate) const INFINITY: Self = Self { hi: f64::INFINITY, lo: 0.0 };
 
-    /// The nearest `f64`.
+    /// Rounds to the nearest `f64`.
     pub(crate) fn to_f64(self) -> f64 {
         self.hi + self.lo
-    }
-
-    /// Both parts; their sum is the number.
-    #[cfg(test)]
-    pub(crate) fn parts(self) -> (f64, f64) {
-        (self.hi, self.lo)
     }
 
     pub(crate) fn abs(self) -> Self {
         if self.hi < 0.0 { -self } else { self }
     }
 
-    /// The root; zero for a number below zero, which only rounding can have put there.
+    /// Returns the square root, or zero for a negative number, which only rounding produces here.
     pub(crate) fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
             return Self::ZERO;
@@ -115,7 +111,7 @@ impl Neg for Wide {
 impl Add for Wide {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        // The version that stays accurate when the leading parts cancel.
+        // This variant ("accurate" in Hida et al.) keeps its digits if the leading parts cancel.
         let (high, low) = (two_sum(self.hi, other.hi), two_sum(self.lo, other.lo));
         let high = quick_two_sum(high.hi, high.lo + low.hi);
         quick_two_sum(high.hi, high.lo + low.lo)
@@ -187,7 +183,7 @@ impl Wide3 {
         self.dot(self).sqrt()
     }
 
-    /// Rounded to `f64` after scaling to unit length; zero stays zero.
+    /// Returns the vector of unit length, rounded to `f64`; zero stays zero.
     pub(crate) fn unit(self) -> DVec3 {
         let length = self.length();
         if length == Wide::ZERO { DVec3::ZERO } else { (self * (Wide::ONE / length)).to_f64() }
@@ -228,60 +224,5 @@ impl Mul<Wide> for Wide3 {
     type Output = Self;
     fn mul(self, scale: Wide) -> Self {
         Self { x: self.x * scale, y: self.y * scale, z: self.z * scale }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accuracy::random::Random;
-
-    /// An integer of up to 100 bits as a [`Wide`], exactly.
-    fn from_integer(n: i128) -> Wide {
-        let high = n as f64;
-        Wide::from(high) + Wide::from((n - high as i128) as f64)
-    }
-
-    fn to_integer(w: Wide) -> i128 {
-        let (hi, lo) = w.parts();
-        hi as i128 + lo as i128
-    }
-
-    fn random_integer(random: &mut Random, bits: u32) -> i128 {
-        let n = i128::from(random.next()) << 40 ^ i128::from(random.next());
-        (n >> (104 - bits)) * if random.next() & 1 == 0 { 1 } else { -1 }
-    }
-
-    #[test]
-    fn sums_and_products_of_integers_are_exact() {
-        let mut random = Random::new(1);
-        for _ in 0..100_000 {
-            let (a, b) = (random_integer(&mut random, 100), random_integer(&mut random, 100));
-            assert_eq!(to_integer(from_integer(a) + from_integer(b)), a + b, "{a} + {b}");
-            assert_eq!(to_integer(from_integer(a) - from_integer(b)), a - b, "{a} - {b}");
-            let (a, b) = (a >> 50, b >> 50);
-            assert_eq!(to_integer(from_integer(a) * from_integer(b)), a * b, "{a} * {b}");
-        }
-    }
-
-    #[test]
-    fn quotients_and_roots_invert_products_to_104_bits() {
-        let mut random = Random::new(2);
-        for _ in 0..100_000 {
-            let a = from_integer(random_integer(&mut random, 100));
-            let b = from_integer(random_integer(&mut random, 100) | 1);
-            let back = (a / b) * b;
-            assert!((back - a).abs().to_f64() <= a.abs().to_f64() * 2f64.powi(-102), "{a:?} {b:?}");
-            let root = a.abs().sqrt();
-            let off = (root * root - a.abs()).abs().to_f64();
-            assert!(off <= a.abs().to_f64() * 2f64.powi(-101), "{a:?}");
-        }
-    }
-
-    #[test]
-    fn a_difference_that_f64_loses_is_kept() {
-        let (a, tiny) = (Wide::from(1.0), Wide::from(2f64.powi(-90)));
-        assert_eq!(((a + tiny) - a).to_f64(), 2f64.powi(-90));
-        assert_eq!(((a + tiny) * (a - tiny) - a).to_f64(), 0.0, "2^-180 is beyond 106 bits");
     }
 }

@@ -1,15 +1,15 @@
-//! Random numbers with a fixed sequence, and the directions and points the families are made of.
+//! Random numbers with a fixed sequence, and directions and points made of them.
 //!
 //! Source: G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators", OOPSLA
 //! 2014.
 
 use glam::DVec3;
 
-/// splitmix64.
+/// A generator: splitmix64.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
 
-/// The finisher of splitmix64: every bit of the input moves half of the bits of the result.
+/// Applies the finaliser of splitmix64: each input bit flips half of the result's bits on average.
 pub(crate) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -17,12 +17,18 @@ pub(crate) fn mix(mut z: u64) -> u64 {
 }
 
 impl Random {
+    /// Starts the sequence of splitmix64 from its published state.
+    pub(crate) fn from_state(state: u64) -> Self {
+        Self(state)
+    }
+
+    /// Starts a sequence that shares no numbers with those of the seeds nearby.
     #[cfg(test)]
     pub(crate) fn new(seed: u64) -> Self {
         Self(mix(seed))
     }
 
-    /// The sequence of one ray: the same whatever the number of rays, of threads or of families.
+    /// Starts the sequence of one ray: the same whatever the number of rays, threads or families.
     pub(crate) fn of(seed: u64, name: &str, index: u64) -> Self {
         let name = name.bytes().fold(0xcbf2_9ce4_8422_2325, |h, byte| mix(h ^ u64::from(byte)));
         Self(mix(mix(seed ^ name).wrapping_add(index)))
@@ -33,27 +39,32 @@ impl Random {
         mix(self.0)
     }
 
-    /// Uniform in `0.0..1.0`.
+    /// Returns a number in `0.0..1.0` with 24 bits.
+    pub(crate) fn unit_f32(&mut self) -> f32 {
+        (self.next() >> 40) as f32 * 2f32.powi(-24)
+    }
+
+    /// Returns a number in `0.0..1.0` with 53 bits.
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 * 2f64.powi(-53)
     }
 
-    /// Uniform in `low..high`.
+    /// Returns a number in `low..high`, distributed uniformly.
     pub(crate) fn range(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// 1 or -1.
+    /// Returns 1 or -1.
     pub(crate) fn sign(&mut self) -> f64 {
         if self.next() >> 63 == 0 { 1.0 } else { -1.0 }
     }
 
-    /// One of `0..count`.
+    /// Returns an index in `0..count`.
     pub(crate) fn index(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count - 1)
     }
 
-    /// Uniform on the unit sphere.
+    /// Returns a unit vector, distributed uniformly.
     pub(crate) fn direction(&mut self) -> DVec3 {
         let z = self.range(-1.0, 1.0);
         let phi = self.range(0.0, std::f64::consts::TAU);
@@ -61,14 +72,14 @@ impl Random {
         DVec3::new(r * phi.cos(), r * phi.sin(), z)
     }
 
-    /// Uniform on the unit circle around `axis`, which has unit length.
+    /// Returns a unit vector perpendicular to `axis`, which has unit length, distributed uniformly.
     pub(crate) fn perpendicular(&mut self, axis: DVec3) -> DVec3 {
         let x = axis.any_orthonormal_vector();
         let phi = self.range(0.0, std::f64::consts::TAU);
         x * phi.cos() + axis.cross(x) * phi.sin()
     }
 
-    /// Uniform in the unit ball.
+    /// Returns a point of the unit ball, distributed uniformly.
     pub(crate) fn ball(&mut self) -> DVec3 {
         self.direction() * self.unit().cbrt()
     }

@@ -4,40 +4,111 @@ use glam::{DVec3, Vec3};
 use rotund_geometry::{Ray, Sphere};
 
 use super::{Curve, Families, Family, toward, with_interval, with_length};
-use crate::accuracy::random::Random;
+use crate::random::Random;
 
 impl Families for Sphere {
-    #[rustfmt::skip]
     const FAMILIES: &'static [Family<Self>] = &[
-        Family { name: "distance", why: "squares of the distance cancel", curve: Some(Curve::Distance),
-            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7], make: |r, d| from(r, 1.0, d) },
-        Family { name: "grazing", why: "the discriminant is nearly zero", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| grazing(r, gap, 10.0) },
-        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
-            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
-        Family { name: "tangent to the last bit", why: "passes by -3 to 3 roundings", curve: None,
-            levels: &[1.0], make: tangent },
-        Family { name: "inside", why: "one root on each side", curve: None, levels: &[1.0], make: inside },
-        Family { name: "on the surface", why: "t_min = 1e-4 hides the near root", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 1e-4) },
-        Family { name: "on the surface, t_min 0", why: "rounding decides the side", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 0.0) },
-        Family { name: "world offset", why: "coordinates have few digits left", curve: None,
-            levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
-        Family { name: "radius", why: "an absolute epsilon shows", curve: None,
-            levels: &[1e-6, 1e-3, 1e3, 1e6], make: |r, radius| from(r, radius, 10.0) },
-        Family { name: "direction length", why: "t counts in directions", curve: None,
-            levels: &[3.0, 30.0], make: lengths },
-        Family { name: "denormal direction", why: "its square underflows", curve: None, levels: &[1.0],
-            make: denormal },
-        Family { name: "interval", why: "its ends lie about the roots", curve: None, levels: &[1.0],
-            make: |r, _| { let (s, ray) = from(r, 1.0, 3.0); (s, with_interval(r, &s, ray)) } },
-        Family { name: "mixed exponents", why: "no scale is preferred", curve: None, levels: &[1.0],
-            make: mixed },
+        Family {
+            name: "distance",
+            why: "squares of the distance cancel",
+            curve: Some(Curve::Distance),
+            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7],
+            make: |r, d| from(r, 1.0, d),
+        },
+        Family {
+            name: "grazing",
+            why: "the discriminant is nearly zero",
+            curve: Some(Curve::Grazing),
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, gap| grazing(r, gap, 10.0),
+        },
+        Family {
+            name: "far and grazing",
+            why: "distance takes the digits that grazing needs",
+            curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7],
+            make: |r, d| {
+                let gap = 10f64.powf(r.range(-7.0, -1.0));
+                grazing(r, gap, d)
+            },
+        },
+        Family {
+            name: "tangent to the last bit",
+            why: "passes by -3 to 3 roundings",
+            curve: None,
+            levels: &[1.0],
+            make: tangent,
+        },
+        Family {
+            name: "inside",
+            why: "one root on each side",
+            curve: None,
+            levels: &[1.0],
+            make: inside,
+        },
+        Family {
+            name: "on the surface",
+            why: "t_min = 1e-4 hides the near root",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 1e-4),
+        },
+        Family {
+            name: "on the surface, t_min 0",
+            why: "rounding decides the side",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 0.0),
+        },
+        Family {
+            name: "world offset",
+            why: "coordinates have few digits left",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5, 1e6],
+            make: offset,
+        },
+        Family {
+            name: "radius",
+            why: "an absolute epsilon shows",
+            curve: None,
+            levels: &[1e-6, 1e-3, 1e3, 1e6],
+            make: |r, radius| from(r, radius, 10.0),
+        },
+        Family {
+            name: "direction length",
+            why: "t counts in directions",
+            curve: None,
+            levels: &[3.0, 30.0],
+            make: lengths,
+        },
+        Family {
+            name: "denormal direction",
+            why: "its square underflows",
+            curve: None,
+            levels: &[1.0],
+            make: denormal,
+        },
+        Family {
+            name: "interval",
+            why: "its ends lie about the roots",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let (s, ray) = from(r, 1.0, 3.0);
+                (s, with_interval(r, &s, ray))
+            },
+        },
+        Family {
+            name: "mixed exponents",
+            why: "no scale is preferred",
+            curve: None,
+            levels: &[1.0],
+            make: mixed,
+        },
     ];
 }
 
-/// A sphere, and a ray from `distance` radii aimed at 1.2 times its disc.
+/// Returns a sphere, and a ray from `distance` radii away at a disc of 1.2 radii.
 fn from(random: &mut Random, radius: f64, distance: f64) -> (Sphere, Ray) {
     let center = random.direction() * random.range(0.0, 2.0) * radius;
     let direction = random.direction();
@@ -53,8 +124,8 @@ fn grazing(random: &mut Random, gap: f64, distance: f64) -> (Sphere, Ray) {
     (Sphere { center: center.as_vec3(), radius: 1.0 }, toward(center + aside, direction, distance))
 }
 
-/// Coordinates that need no rounding, so that the ray passes the sphere by exactly -3 to 3 units in
-/// the last place of the radius.
+/// Returns a case whose coordinates need no rounding, so that the ray passes the sphere at exactly
+/// -3 to 3 units in the last place of the radius.
 fn tangent(random: &mut Random, _: f64) -> (Sphere, Ray) {
     let radius = random.range(1.0, 2.0) as f32;
     let steps = random.index(7) as i32 - 3;
@@ -75,7 +146,7 @@ fn inside(random: &mut Random, _: f64) -> (Sphere, Ray) {
     (sphere, Ray::new(origin.as_vec3(), random.direction().as_vec3()))
 }
 
-/// From a rounded point of the surface inwards.
+/// Returns a ray from a rounded point of the surface inwards.
 fn on_surface(random: &mut Random, t_min: f32) -> (Sphere, Ray) {
     let center = random.direction() * random.range(0.0, 2.0);
     let normal = random.direction();
@@ -89,14 +160,14 @@ fn offset(random: &mut Random, offset: f64) -> (Sphere, Ray) {
     moved(random.direction() * offset, from(random, 1.0, 10.0))
 }
 
-/// Both moved, and rounded again.
+/// Translates sphere and ray, and rounds them again.
 fn moved(by: DVec3, (sphere, ray): (Sphere, Ray)) -> (Sphere, Ray) {
     let place = |p: Vec3| (p.as_dvec3() + by).as_vec3();
     let origin = place(ray.origin);
     (Sphere { center: place(sphere.center), ..sphere }, Ray { origin, ..ray })
 }
 
-/// Directions 10^-level to 10^level long.
+/// Returns rays whose directions are 10^-level to 10^level long.
 fn lengths(random: &mut Random, level: f64) -> (Sphere, Ray) {
     let (sphere, ray) = from(random, 1.0, 10.0);
     (sphere, with_length(ray, 10f64.powf(random.range(-level, level))))

@@ -76,7 +76,7 @@ impl Div for Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::random::Random;
+    use crate::random::Random;
 
     #[test]
     fn an_interval_contains_the_exact_result() {

@@ -4,58 +4,185 @@ use glam::DVec3;
 use rotund_geometry::{Ray, RoundedCone};
 
 use super::{Curve, Families, Family, toward, with_interval, with_length};
-use crate::accuracy::random::Random;
+use crate::random::Random;
 
 impl Families for RoundedCone {
-    #[rustfmt::skip]
     const FAMILIES: &'static [Family<Self>] = &[
-        Family { name: "distance", why: "squares of the distance cancel", curve: Some(Curve::Distance),
-            levels: &[4.0, 4e1, 4e2, 4e3, 4e4, 4e5, 4e6, 4e7], make: |r, d| { let b = usual(r); (b.shape(), aimed(r, &b, d)) } },
-        Family { name: "equal radii", why: "a cylinder has no apex", curve: None, levels: &[1.0],
-            make: |r, _| of_radii(r, 3.0, 0.7, 0.7, 4.0) },
-        Family { name: "nearly equal radii", why: "the apex is far away", curve: None,
-            levels: &[1e-2, 1e-4, 1e-6, 1e-7], make: |r, gap| of_radii(r, 3.0, 0.7, 0.7 * (1.0 - gap), 4.0) },
-        Family { name: "contained", why: "one ball holds the other", curve: None, levels: &[1.0],
-            make: |r, _| of_radii(r, 0.4, 1.0, 0.5, 4.0) },
-        Family { name: "nearly contained", why: "the body is a sliver", curve: None,
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| of_radii(r, 0.5 * (1.0 + gap), 1.0, 0.5, 4.0) },
-        Family { name: "coincident ends", why: "there is no axis", curve: None, levels: &[1.0],
-            make: |r, _| { let r1 = if r.sign() > 0.0 { 1.0 } else { 0.5 }; of_radii(r, 0.0, 1.0, r1, 4.0) } },
-        Family { name: "long and thin", why: "radius and length differ", curve: None,
-            levels: &[1e3, 1e4, 1e5], make: |r, l| of_radii(r, l * 0.01, 0.01, 0.005, l * 0.01) },
-        Family { name: "short", why: "the balls nearly coincide", curve: None,
-            levels: &[1e-1, 1e-3, 1e-5], make: |r, l| of_radii(r, l, 1.0, 1.0 - 0.5 * l, 4.0) },
-        Family { name: "pointed", why: "one radius is zero", curve: None, levels: &[1.0],
-            make: |r, _| of_radii(r, 3.0, 1.0, 0.0, 4.0) },
-        Family { name: "parallel to the axis", why: "no quadratic part, or little", curve: None,
-            levels: &[0.0, 1e-5, 1e-3], make: parallel },
-        Family { name: "along a generator", why: "the quadratic part vanishes", curve: None,
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], make: generator },
-        Family { name: "grazing", why: "the discriminant is nearly zero", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, gap| grazing(r, gap, 10.0) },
-        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
-            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
-        Family { name: "inside", why: "only the last crossing counts", curve: None, levels: &[1.0],
-            make: inside },
-        Family { name: "on the surface", why: "t_min = 1e-4 hides the near crossing", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 1e-4) },
-        Family { name: "on the surface, t_min 0", why: "rounding decides the side", curve: None,
-            levels: &[1.0], make: |r, _| on_surface(r, 0.0) },
+        Family {
+            name: "distance",
+            why: "squares of the distance cancel",
+            curve: Some(Curve::Distance),
+            levels: &[4.0, 4e1, 4e2, 4e3, 4e4, 4e5, 4e6, 4e7],
+            make: |r, d| {
+                let b = usual(r);
+                (b.shape(), aimed(r, &b, d))
+            },
+        },
+        Family {
+            name: "equal radii",
+            why: "a cylinder has no apex",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| of_radii(r, 3.0, 0.7, 0.7, 4.0),
+        },
+        Family {
+            name: "nearly equal radii",
+            why: "the apex is far away",
+            curve: None,
+            levels: &[1e-2, 1e-4, 1e-6, 1e-7],
+            make: |r, gap| of_radii(r, 3.0, 0.7, 0.7 * (1.0 - gap), 4.0),
+        },
+        Family {
+            name: "contained",
+            why: "one ball holds the other",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| of_radii(r, 0.4, 1.0, 0.5, 4.0),
+        },
+        Family {
+            name: "nearly contained",
+            why: "the body is a sliver",
+            curve: None,
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, gap| of_radii(r, 0.5 * (1.0 + gap), 1.0, 0.5, 4.0),
+        },
+        Family {
+            name: "coincident ends",
+            why: "there is no axis",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let r1 = if r.sign() > 0.0 { 1.0 } else { 0.5 };
+                of_radii(r, 0.0, 1.0, r1, 4.0)
+            },
+        },
+        Family {
+            name: "long and thin",
+            why: "radius and length differ",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5],
+            make: |r, l| of_radii(r, l * 0.01, 0.01, 0.005, l * 0.01),
+        },
+        Family {
+            name: "short",
+            why: "the balls nearly coincide",
+            curve: None,
+            levels: &[1e-1, 1e-3, 1e-5],
+            make: |r, l| of_radii(r, l, 1.0, 1.0 - 0.5 * l, 4.0),
+        },
+        Family {
+            name: "pointed",
+            why: "one radius is zero",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| of_radii(r, 3.0, 1.0, 0.0, 4.0),
+        },
+        Family {
+            name: "parallel to the axis",
+            why: "no quadratic part, or little",
+            curve: None,
+            levels: &[0.0, 1e-5, 1e-3],
+            make: parallel,
+        },
+        Family {
+            name: "along a generator",
+            why: "the quadratic part vanishes",
+            curve: None,
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            make: generator,
+        },
+        Family {
+            name: "grazing",
+            why: "the discriminant is nearly zero",
+            curve: Some(Curve::Grazing),
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, gap| grazing(r, gap, 10.0),
+        },
+        Family {
+            name: "far and grazing",
+            why: "distance takes the digits that grazing needs",
+            curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7],
+            make: |r, d| {
+                let gap = 10f64.powf(r.range(-7.0, -1.0));
+                grazing(r, gap, d)
+            },
+        },
+        Family {
+            name: "inside",
+            why: "only the last crossing counts",
+            curve: None,
+            levels: &[1.0],
+            make: inside,
+        },
+        Family {
+            name: "on the surface",
+            why: "t_min = 1e-4 hides the near crossing",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 1e-4),
+        },
+        Family {
+            name: "on the surface, t_min 0",
+            why: "rounding decides the side",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| on_surface(r, 0.0),
+        },
         Family { name: "seam", why: "body and cap meet", curve: None, levels: &[1.0], make: seam },
-        Family { name: "in front of a cap", why: "inside of the infinite cone", curve: None,
-            levels: &[1.0], make: in_front },
-        Family { name: "world offset", why: "coordinates have few digits left", curve: None,
-            levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
-        Family { name: "scale", why: "an absolute epsilon shows", curve: None,
-            levels: &[1e-6, 1e-3, 1e3, 1e6], make: |r, s| of_radii(r, 3.0 * s, s, 0.5 * s, 4.0 * s) },
-        Family { name: "direction length", why: "t counts in directions", curve: None,
-            levels: &[3.0, 30.0], make: lengths },
-        Family { name: "denormal direction", why: "its square underflows", curve: None, levels: &[1.0],
-            make: denormal },
-        Family { name: "interval", why: "its ends lie about the crossings", curve: None, levels: &[1.0],
-            make: |r, _| { let b = usual(r); let ray = aimed(r, &b, 4.0); (b.shape(), with_interval(r, &b.shape(), ray)) } },
-        Family { name: "mixed exponents", why: "no scale is preferred", curve: None, levels: &[1.0],
-            make: mixed },
+        Family {
+            name: "in front of a cap",
+            why: "inside of the infinite cone",
+            curve: None,
+            levels: &[1.0],
+            make: in_front,
+        },
+        Family {
+            name: "world offset",
+            why: "coordinates have few digits left",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5, 1e6],
+            make: offset,
+        },
+        Family {
+            name: "scale",
+            why: "an absolute epsilon shows",
+            curve: None,
+            levels: &[1e-6, 1e-3, 1e3, 1e6],
+            make: |r, s| of_radii(r, 3.0 * s, s, 0.5 * s, 4.0 * s),
+        },
+        Family {
+            name: "direction length",
+            why: "t counts in directions",
+            curve: None,
+            levels: &[3.0, 30.0],
+            make: lengths,
+        },
+        Family {
+            name: "denormal direction",
+            why: "its square underflows",
+            curve: None,
+            levels: &[1.0],
+            make: denormal,
+        },
+        Family {
+            name: "interval",
+            why: "its ends lie about the crossings",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let b = usual(r);
+                let ray = aimed(r, &b, 4.0);
+                (b.shape(), with_interval(r, &b.shape(), ray))
+            },
+        },
+        Family {
+            name: "mixed exponents",
+            why: "no scale is preferred",
+            curve: None,
+            levels: &[1.0],
+            make: mixed,
+        },
     ];
 }
 
@@ -83,12 +210,12 @@ impl Body {
         self.r0.max(self.r1)
     }
 
-    /// Center and radius of the ball at `s`.
+    /// Returns center and radius of the ball at `s`.
     fn ball(&self, s: f64) -> (DVec3, f64) {
         (self.p0 + self.axis * (s * self.length), self.r0 + s * (self.r1 - self.r0))
     }
 
-    /// A normal of the body between the caps, and the direction of the generator there.
+    /// Returns a normal of the body between the caps, and the direction of its generator.
     fn generator(&self, random: &mut Random) -> (DVec3, DVec3) {
         let out = random.perpendicular(self.axis);
         let sine = ((self.r0 - self.r1) / self.length).clamp(-1.0, 1.0);
@@ -96,7 +223,7 @@ impl Body {
         (out * cosine + self.axis * sine, self.axis * cosine - out * sine)
     }
 
-    /// A point of the surface and its normal: caps and body in turn.
+    /// Returns a point of the surface, on a cap or the body, and its normal.
     fn surface(&self, random: &mut Random) -> (DVec3, DVec3) {
         let sine = (self.r0 - self.r1) / self.length;
         let (s, normal) = match random.index(2) {
@@ -117,12 +244,12 @@ fn body(random: &mut Random, length: f64, r0: f64, r1: f64) -> Body {
     Body { p0: center - axis * (0.5 * length), axis, length, r0, r1 }
 }
 
-/// Three long, radii 1 and 0.5.
+/// Returns a cone of length 3 with radii 1 and 0.5.
 fn usual(random: &mut Random) -> Body {
     body(random, 3.0, 1.0, 0.5)
 }
 
-/// From `distance` at a place along the axis and up to 1.25 radii beside it.
+/// Returns a ray from `distance` away at a point up to 1.25 radii beside the axis.
 fn aimed(random: &mut Random, body: &Body, distance: f64) -> Ray {
     let direction = random.direction();
     let along = body.p0 + body.axis * (body.length * random.range(-0.15, 1.15));
@@ -142,8 +269,8 @@ fn of_radii(
     (body.shape(), ray)
 }
 
-/// Along a coordinate axis that is the axis of the cone, tilted by `tilt`, either way; a third of the
-/// cones are cylinders.
+/// Returns a cone along a coordinate axis, a third of them cylinders, and a ray along that axis,
+/// tilted by `tilt`.
 fn parallel(random: &mut Random, tilt: f64) -> (RoundedCone, Ray) {
     let axis = [DVec3::X, DVec3::Y, DVec3::Z][random.index(3)] * random.sign();
     let r1 = [0.5, 1.0, 1.0 - 1e-5][random.index(3)];
@@ -210,7 +337,7 @@ fn offset(random: &mut Random, offset: f64) -> (RoundedCone, Ray) {
     (body.shape(), ray)
 }
 
-/// Directions 10^-level to 10^level long.
+/// Returns rays whose directions are 10^-level to 10^level long.
 fn lengths(random: &mut Random, level: f64) -> (RoundedCone, Ray) {
     let (cone, ray) = of_radii(random, 3.0, 1.0, 0.5, 4.0);
     (cone, with_length(ray, 10f64.powf(random.range(-level, level))))
@@ -238,7 +365,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accuracy::truth::Truth;
+    use crate::truth::Truth;
 
     #[test]
     fn rays_in_front_of_a_cap_start_outside() {

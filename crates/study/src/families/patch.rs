@@ -4,62 +4,221 @@ use glam::{DMat3, DVec3};
 use rotund_geometry::{BilinearPatch, Ray};
 
 use super::{Curve, Families, Family, toward, with_interval, with_length};
-use crate::accuracy::{random::Random, truth::Truth};
+use crate::random::Random;
+use crate::truth::Truth;
 
 /// The corners p00, p10, p01, p11.
 type Corners = [DVec3; 4];
 
 impl Families for BilinearPatch {
-    #[rustfmt::skip]
     const FAMILIES: &'static [Family<Self>] = &[
-        Family { name: "distance", why: "coordinates of the ray cancel", curve: Some(Curve::Distance),
-            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7], make: |r, d| { let c = bent(r, 0.2); (patch(c), aimed(r, c, d)) } },
-        Family { name: "planar, z = 0", why: "no quadratic part, exactly", curve: None, levels: &[1.0],
-            make: |r, _| { let c = jittered(r, 0.0); (patch(c), aimed(r, c, 3.0)) } },
-        Family { name: "planar, turned", why: "no quadratic part but rounding", curve: None, levels: &[1.0],
-            make: |r, _| shown(r, |r| bent(r, 0.0)) },
-        Family { name: "nearly planar", why: "the quadratic part is small", curve: None,
-            levels: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7], make: |r, h| { let c = bent(r, h); (patch(c), aimed(r, c, 3.0)) } },
-        Family { name: "in its plane", why: "the ray meets a planar patch nowhere, by definition", curve: None,
-            levels: &[1.0], make: in_plane },
-        Family { name: "saddle", why: "bends as much as it is wide", curve: None, levels: &[1.0],
-            make: |r, _| shown(r, |r| bent(r, 0.5)) },
-        Family { name: "twisted by 150 degrees", why: "two crossings, folds", curve: None, levels: &[1.0],
-            make: |r, _| shown(r, twisted) },
-        Family { name: "parallelogram", why: "the quadratic part is exactly zero", curve: None, levels: &[1.0],
-            make: |r, _| exact(r, |r| { let (q, e, f) = (grid(r), grid(r), grid(r)); [q, q + e, q + f, q + e + f] }) },
-        Family { name: "trapezoid", why: "two edges are exactly parallel", curve: None, levels: &[1.0],
-            make: |r, _| exact(r, |r| { let (q, e, f) = (grid(r), grid(r), grid(r)); [q, q + e, q + f, q + f + e * 0.5] }) },
-        Family { name: "nearly a trapezoid", why: "two edges are nearly parallel", curve: None,
-            levels: &[1e-3, 1e-5, 1e-7], make: near_trapezoid },
-        Family { name: "collapsed edge", why: "a triangle: the normal vanishes at a corner", curve: None,
-            levels: &[0.0, 1.0, 2.0, 3.0], make: |r, edge| collapsed(r, edge) },
-        Family { name: "bow tie", why: "the patch crosses itself", curve: None, levels: &[0.0, 0.2],
-            make: |r, h| shown(r, |r| { let [a, b, c, d] = bent(r, h); [a, b, d, c] }) },
-        Family { name: "parallel to a ruling", why: "one segment of the patch lies along the ray", curve: None,
-            levels: &[0.0, 1e-5, 1e-3], make: ruling },
-        Family { name: "grazing", why: "the ray passes a fold", curve: Some(Curve::Grazing),
-            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9], make: |r, gap| grazing(r, gap, 3.0) },
-        Family { name: "far and grazing", why: "distance takes the digits that grazing needs", curve: None,
-            levels: &[1e2, 1e4, 1e6, 1e7], make: |r, d| { let gap = 10f64.powf(r.range(-7.0, -1.0)); grazing(r, gap, d) } },
-        Family { name: "world offset", why: "coordinates have few digits left", curve: None,
-            levels: &[1e3, 1e4, 1e5, 1e6], make: offset },
-        Family { name: "sliver", why: "one side is 1e-4 of the other", curve: None, levels: &[1e-4],
-            make: |r, w| shown(r, |r| turned(r, jittered_by(0.2).map(|p| p * DVec3::new(1.0, w, 1.0)))) },
-        Family { name: "near a corner", why: "both parameters are at their ends", curve: None, levels: &[1e-6],
-            make: near_corner },
-        Family { name: "interval", why: "its ends lie about the crossings", curve: None, levels: &[1.0],
-            make: |r, _| { let c = twisted(r); let ray = aimed(r, c, 3.0); (patch(c), with_interval(r, &patch(c), ray)) } },
-        Family { name: "from the surface", why: "t_min = 1e-4 hides a crossing", curve: None, levels: &[1.0],
-            make: from_surface },
-        Family { name: "scale", why: "an absolute epsilon shows", curve: None,
-            levels: &[1e-6, 1e-3, 1e3, 1e6], make: |r, s| { let c = bent(r, 0.3).map(|p| p * s); (patch(c), aimed(r, c, 3.0 * s)) } },
-        Family { name: "direction length", why: "t counts in directions", curve: None, levels: &[3.0, 30.0],
-            make: |r, l| { let (p, ray) = shown(r, |r| bent(r, 0.3)); (p, with_length(ray, 10f64.powf(r.range(-l, l)))) } },
-        Family { name: "denormal direction", why: "its square underflows", curve: None, levels: &[1.0],
-            make: denormal },
-        Family { name: "mixed exponents", why: "no scale is preferred", curve: None, levels: &[1.0],
-            make: mixed },
+        Family {
+            name: "distance",
+            why: "coordinates of the ray cancel",
+            curve: Some(Curve::Distance),
+            levels: &[1.5, 1.5e1, 1.5e2, 1.5e3, 1.5e4, 1.5e5, 1.5e6, 1.5e7],
+            make: |r, d| {
+                let c = bent(r, 0.2);
+                (patch(c), aimed(r, c, d))
+            },
+        },
+        Family {
+            name: "planar, z = 0",
+            why: "no quadratic part, exactly",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let c = jittered(r, 0.0);
+                (patch(c), aimed(r, c, 3.0))
+            },
+        },
+        Family {
+            name: "planar, turned",
+            why: "no quadratic part but rounding",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| shown(r, |r| bent(r, 0.0)),
+        },
+        Family {
+            name: "nearly planar",
+            why: "the quadratic part is small",
+            curve: None,
+            levels: &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7],
+            make: |r, h| {
+                let c = bent(r, h);
+                (patch(c), aimed(r, c, 3.0))
+            },
+        },
+        Family {
+            name: "in its plane",
+            why: "the ray meets a planar patch nowhere, by definition",
+            curve: None,
+            levels: &[1.0],
+            make: in_plane,
+        },
+        Family {
+            name: "saddle",
+            why: "bends as much as it is wide",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| shown(r, |r| bent(r, 0.5)),
+        },
+        Family {
+            name: "twisted by 150 degrees",
+            why: "two crossings, folds",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| shown(r, twisted),
+        },
+        Family {
+            name: "parallelogram",
+            why: "the quadratic part is exactly zero",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                exact(r, |r| {
+                    let (q, e, f) = (grid(r), grid(r), grid(r));
+                    [q, q + e, q + f, q + e + f]
+                })
+            },
+        },
+        Family {
+            name: "trapezoid",
+            why: "two edges are exactly parallel",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                exact(r, |r| {
+                    let (q, e, f) = (grid(r), grid(r), grid(r));
+                    [q, q + e, q + f, q + f + e * 0.5]
+                })
+            },
+        },
+        Family {
+            name: "nearly a trapezoid",
+            why: "two edges are nearly parallel",
+            curve: None,
+            levels: &[1e-3, 1e-5, 1e-7],
+            make: near_trapezoid,
+        },
+        Family {
+            name: "collapsed edge",
+            why: "a triangle: the normal vanishes at a corner",
+            curve: None,
+            levels: &[0.0, 1.0, 2.0, 3.0],
+            make: |r, edge| collapsed(r, edge),
+        },
+        Family {
+            name: "bow tie",
+            why: "the patch crosses itself",
+            curve: None,
+            levels: &[0.0, 0.2],
+            make: |r, h| {
+                shown(r, |r| {
+                    let [a, b, c, d] = bent(r, h);
+                    [a, b, d, c]
+                })
+            },
+        },
+        Family {
+            name: "parallel to a ruling",
+            why: "one segment of the patch lies along the ray",
+            curve: None,
+            levels: &[0.0, 1e-5, 1e-3],
+            make: ruling,
+        },
+        Family {
+            name: "grazing",
+            why: "the ray passes a fold",
+            curve: Some(Curve::Grazing),
+            levels: &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9],
+            make: |r, gap| grazing(r, gap, 3.0),
+        },
+        Family {
+            name: "far and grazing",
+            why: "distance takes the digits that grazing needs",
+            curve: None,
+            levels: &[1e2, 1e4, 1e6, 1e7],
+            make: |r, d| {
+                let gap = 10f64.powf(r.range(-7.0, -1.0));
+                grazing(r, gap, d)
+            },
+        },
+        Family {
+            name: "world offset",
+            why: "coordinates have few digits left",
+            curve: None,
+            levels: &[1e3, 1e4, 1e5, 1e6],
+            make: offset,
+        },
+        Family {
+            name: "sliver",
+            why: "one side is 1e-4 of the other",
+            curve: None,
+            levels: &[1e-4],
+            make: |r, w| {
+                shown(r, |r| turned(r, jittered_by(0.2).map(|p| p * DVec3::new(1.0, w, 1.0))))
+            },
+        },
+        Family {
+            name: "near a corner",
+            why: "both parameters are at their ends",
+            curve: None,
+            levels: &[1e-6],
+            make: near_corner,
+        },
+        Family {
+            name: "interval",
+            why: "its ends lie about the crossings",
+            curve: None,
+            levels: &[1.0],
+            make: |r, _| {
+                let c = twisted(r);
+                let ray = aimed(r, c, 3.0);
+                (patch(c), with_interval(r, &patch(c), ray))
+            },
+        },
+        Family {
+            name: "from the surface",
+            why: "t_min = 1e-4 hides a crossing",
+            curve: None,
+            levels: &[1.0],
+            make: from_surface,
+        },
+        Family {
+            name: "scale",
+            why: "an absolute epsilon shows",
+            curve: None,
+            levels: &[1e-6, 1e-3, 1e3, 1e6],
+            make: |r, s| {
+                let c = bent(r, 0.3).map(|p| p * s);
+                (patch(c), aimed(r, c, 3.0 * s))
+            },
+        },
+        Family {
+            name: "direction length",
+            why: "t counts in directions",
+            curve: None,
+            levels: &[3.0, 30.0],
+            make: |r, l| {
+                let (p, ray) = shown(r, |r| bent(r, 0.3));
+                (p, with_length(ray, 10f64.powf(r.range(-l, l))))
+            },
+        },
+        Family {
+            name: "denormal direction",
+            why: "its square underflows",
+            curve: None,
+            levels: &[1.0],
+            make: denormal,
+        },
+        Family {
+            name: "mixed exponents",
+            why: "no scale is preferred",
+            curve: None,
+            levels: &[1.0],
+            make: mixed,
+        },
     ];
 }
 
@@ -72,7 +231,7 @@ fn at([p00, p10, p01, p11]: Corners, u: f64, v: f64) -> DVec3 {
     (p00 * (1.0 - u) + p10 * u) * (1.0 - v) + (p01 * (1.0 - u) + p11 * u) * v
 }
 
-/// From `distance` at a place in or somewhat beside the patch.
+/// Returns a ray from `distance` away at a point in or somewhat beside the patch.
 fn aimed(random: &mut Random, corners: Corners, distance: f64) -> Ray {
     let target = at(corners, random.range(-0.12, 1.12), random.range(-0.12, 1.12));
     toward(target, random.direction(), distance)
@@ -83,19 +242,19 @@ fn shown(random: &mut Random, make: impl Fn(&mut Random) -> Corners) -> (Bilinea
     (patch(corners), aimed(random, corners, 3.0))
 }
 
-/// The unit square, opposite corners lifted by `height` and the others lowered.
+/// Returns the unit square with two opposite corners raised by `height` and the others lowered.
 fn jittered_by(height: f64) -> Corners {
     [(0.0, 0.0, -1.0), (1.0, 0.0, 1.0), (0.0, 1.0, 1.0), (1.0, 1.0, -1.0)]
         .map(|(x, y, z)| DVec3::new(x - 0.5, y - 0.5, z * height))
 }
 
-/// The same with each corner moved by up to a tenth in the plane.
+/// Returns the same with each corner jittered by up to a tenth in the plane.
 fn jittered(random: &mut Random, height: f64) -> Corners {
     jittered_by(height)
         .map(|p| p + DVec3::new(random.range(-0.1, 0.1), random.range(-0.1, 0.1), 0.0))
 }
 
-/// In a random frame about a random center.
+/// Transforms corners into a random frame about a random center.
 fn turned(random: &mut Random, corners: Corners) -> Corners {
     let z = random.direction();
     let x = random.perpendicular(z);
@@ -116,12 +275,12 @@ fn twisted(random: &mut Random) -> Corners {
     turned(random, [back * a, back * b, forth * c, forth * d])
 }
 
-/// Multiples of 1/32, at which sums of three need no rounding.
+/// Returns a point of multiples of 1/32, so that sums of three need no rounding.
 fn grid(random: &mut Random) -> DVec3 {
     random.ball().map(|x| (x * 32.0).round() / 32.0)
 }
 
-/// Corners that stay as they are.
+/// Returns a patch whose corners are not transformed, so that they stay exact.
 fn exact(random: &mut Random, make: fn(&mut Random) -> Corners) -> (BilinearPatch, Ray) {
     let corners = make(random);
     (patch(corners), aimed(random, corners, 3.0))
@@ -147,7 +306,7 @@ fn in_plane(random: &mut Random, _: f64) -> (BilinearPatch, Ray) {
     (patch(corners), ray)
 }
 
-/// Along the segment of one `u` or one `v`, tilted by `tilt`.
+/// Returns a ray along the segment of one `u` or one `v`, tilted by `tilt`.
 fn ruling(random: &mut Random, tilt: f64) -> (BilinearPatch, Ray) {
     let corners = bent(random, 0.5);
     let s = random.unit();
@@ -162,7 +321,7 @@ fn ruling(random: &mut Random, tilt: f64) -> (BilinearPatch, Ray) {
     (patch(corners), toward(target, direction * random.sign(), 3.0))
 }
 
-/// In the tangent plane of a point, moved along the normal.
+/// Returns a ray in the tangent plane of a point, moved along the normal.
 fn grazing(random: &mut Random, gap: f64, distance: f64) -> (BilinearPatch, Ray) {
     let corners = bent(random, 0.4);
     let (u, v) = (random.unit(), random.unit());
@@ -187,7 +346,7 @@ fn near_corner(random: &mut Random, gap: f64) -> (BilinearPatch, Ray) {
     (patch(corners), toward(at(corners, u, v), random.direction(), 3.0))
 }
 
-/// From a point of the patch to where it is met again.
+/// Returns a ray from one point of the patch to another.
 fn from_surface(random: &mut Random, _: f64) -> (BilinearPatch, Ray) {
     let corners = twisted(random);
     let patch = patch(corners);
