@@ -45,7 +45,7 @@ fn pictures_of_ones_own_scenes_are_checked_until_blessed() {
 
     // A reference whose scene is gone fails until --bless removes it.
     let dead = error(user_run(folder, &["a.json"], &[]));
-    assert!(dead.contains("1 references are dead"), "{dead}");
+    assert!(dead.contains("1 references belong to no scene"), "{dead}");
     user_run(folder, &["a.json"], &bless).unwrap();
     assert!(!folder.join("goldens/b.exr").exists());
 
