@@ -133,7 +133,7 @@ fn cameras(scene: &Scene) -> Table {
     let mut table = Table::new(&["camera", "kind", "width / height", "aperture"]);
     for camera in &scene.cameras {
         let kind = if camera.orthographic { "orthographic" } else { "perspective" };
-        let [aspect, aperture] = [camera.aspect, camera.aperture].map(number);
+        let [aspect, aperture] = [camera.aspect, camera.aperture].map(|value| number(value, 4));
         table.row([camera.name.clone(), kind.to_owned(), aspect, aperture]);
     }
     table
@@ -145,10 +145,10 @@ fn materials(scene: &Scene) -> Table {
         table.row([
             material.name.clone(),
             format!("{:?}", material.kind).to_lowercase(),
-            numbers(material.color),
-            numbers(material.emission),
-            number(material.roughness),
-            number(material.opacity),
+            numbers(material.color, 3),
+            numbers(material.emission, 3),
+            number(material.roughness, 3),
+            number(material.opacity, 3),
         ]);
     }
     table
@@ -208,22 +208,24 @@ fn bounds(scene: &Scene) -> Table {
     let mut table = Table::new(&["shape", "from x y z", "to x y z"]);
     for shape in &scene.shapes {
         let bounds = Aabb::from_points(shape.positions.iter().copied());
-        table.row([shape.name.clone(), numbers(bounds.min), numbers(bounds.max)]);
+        table.row([shape.name.clone(), numbers(bounds.min, 4), numbers(bounds.max, 4)]);
     }
     table
 }
 
-/// Writes a number with four significant digits, in at most 9 characters.
-fn number(value: f32) -> String {
+/// Writes a number with so many significant digits, 3 or 4. It takes at most `digits + 3`
+/// characters, and one more for a minus.
+fn number(value: f32, digits: i32) -> String {
     let size = value.abs();
     if size == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    if !(1e-3..1e5).contains(&size) {
-        return format!("{value:.2e}");
+    if !(1e-2..1e5).contains(&size) {
+        let decimals = (digits - 3).max(0) as usize;
+        return format!("{value:.decimals$e}");
     }
-    let digits = (3 - size.log10().floor() as i32).max(0) as usize;
-    let text = format!("{value:.digits$}");
+    let decimals = (digits - 1 - size.log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
@@ -231,8 +233,8 @@ fn number(value: f32) -> String {
     }
 }
 
-fn numbers(vector: Vec3) -> String {
-    vector.to_array().map(number).join(" ")
+fn numbers(vector: Vec3, digits: i32) -> String {
+    vector.to_array().map(|value| number(value, digits)).join(" ")
 }
 
 fn kind(shape: &Shape) -> &'static str {
@@ -254,39 +256,42 @@ fn method(shape: &Shape) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rotund_scene::{Camera, Elements, Instance};
+    use rotund_scene::{Camera, Elements, Instance, MaterialKind};
 
     #[test]
-    fn numbers_are_short_and_have_four_digits() {
+    fn numbers_are_short_and_have_their_digits() {
         let table = [
-            (0.0, "0"),
-            (1.0, "1"),
-            (-0.25, "-0.25"),
-            (0.123_456, "0.1235"),
-            (0.001_234_5, "0.001234"),
-            (-99_999.4, "-99999"),
-            (1234.56, "1235"),
-            (100.0, "100"),
-            (2e6, "2.00e6"),
-            (-1.5e-9, "-1.50e-9"),
-            (f32::NAN, "NaN"),
-            (f32::NEG_INFINITY, "-inf"),
+            (0.0, "0", "0"),
+            (1.0, "1", "1"),
+            (-0.25, "-0.25", "-0.25"),
+            (0.123_456, "0.123", "0.1235"),
+            (0.012_341, "0.0123", "0.01234"),
+            (0.001_234, "1e-3", "1.2e-3"),
+            (-99_999.4, "-99999", "-99999"),
+            (1234.56, "1235", "1235"),
+            (100.0, "100", "100"),
+            (2e6, "2e6", "2.0e6"),
+            (-1.6e-19, "-2e-19", "-1.6e-19"),
+            (f32::NAN, "NaN", "NaN"),
+            (f32::NEG_INFINITY, "-inf", "-inf"),
         ];
-        for (value, text) in table {
-            assert_eq!(number(value), text);
-            assert!(text.len() <= 9, "{text}");
+        for (value, three, four) in table {
+            assert_eq!(number(value, 3), three);
+            assert_eq!(number(value, 4), four);
+            assert!(three.len() <= 7 && four.len() <= 8, "{three} {four}");
         }
     }
 
     #[test]
     fn every_table_fits_in_80_columns() {
         let long = "a-very-long-name-of-something-in-a-scene-".repeat(3);
-        let wide = Vec3::splat(-1.234_567e-12);
+        let wide = Vec3::splat(-0.012_341);
         let camera = Camera { name: long.clone(), ..Camera::default() };
         let material = Material {
             name: long.clone(),
-            color: wide,
-            emission: wide,
+            kind: MaterialKind::Transparent,
+            color: -wide,
+            emission: -wide,
             color_tex: Some(0),
             emission_tex: Some(0),
             roughness_tex: Some(0),
@@ -311,7 +316,7 @@ mod tests {
         };
         let loaded = Loaded { scene, ..Loaded::default() };
         let scene = &loaded.scene;
-        // Trees are built of valid scenes only, without the lengthy values of the material.
+        // Trees are built of valid scenes only, and the textures of this material do not exist.
         let valid = Scene { materials: vec![Material::default()], ..scene.clone() };
         let trees = Trees::build(&valid).expect("a valid scene");
         let tables = [
