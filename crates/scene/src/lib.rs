@@ -13,14 +13,14 @@
 //! surface closes:
 //!
 //! ```text
-//!  sphere, a globe       rounded cone, a striped tube       patch           triangle  two triangles
+//!  sphere, a globe       rounded cone, a striped tube      patch           triangle  two triangles
 //!
-//!     v = 0 (+y)            v: around the axis, 2 pi v      p01 ------ p11    p2        p3 ---- p2
-//!      .------.              .---------___                   |  ^     /       | \        | \  2  |
-//!    .'        '.          .'   :         ---.               | v|    /      ^ |  \     ^ |   \   |
-//!   |  u: 2 pi u |   u = 0 (    :   u -->   : ) u = 1        |  +-->/       v |   \    v | 1   \ |
-//!    '. x to z .'          '.   :      ___---'               |   u /          p0 - p1    p0 ---- p1
-//!      '------'              '---------                     p00 - p10         u -->      u -->
+//!     v = 0 (+y)            v: around the axis, 2 pi v     p01 ------ p11    p2        p3 ---- p2
+//!      .------.              .---------___                  |  ^     /       | \        | \  2  |
+//!    .'        '.          .'   :         ---.              | v|    /      ^ |  \     ^ |   \   |
+//!   |  u: 2 pi u |   u = 0 (    :   u -->   : ) u = 1       |  +-->/       v |   \    v | 1   \ |
+//!    '. x to z .'          '.   :      ___---'              |   u /          p0 - p1    p0 ---- p1
+//!      '------'              '---------                    p00 - p10         u -->      u -->
 //!     v = 1 (-y)           cap p0   body   cap p1
 //! ```
 //!

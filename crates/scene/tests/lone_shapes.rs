@@ -38,7 +38,11 @@ fn any_order_and_type_of_properties_means_the_same_in_every_encoding() {
         let mut bytes = format!("ply\nformat {name} 1.0\n{header}\nend_header\n").into_bytes();
         macro_rules! put {
             ($($value:expr),*) => {
-                $(bytes.extend(if big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() });)*
+                $(bytes.extend(if big {
+                    $value.to_be_bytes().to_vec()
+                } else {
+                    $value.to_le_bytes().to_vec()
+                });)*
             };
         }
         put!(
@@ -254,7 +258,10 @@ fn many(encoding: &str, bad: Option<(usize, f32)>) -> Vec<u8> {
         _ => bytes.extend(little.iter().rev()),
     };
     macro_rules! put {
-        ($($value:expr),*) => { $(let value = $value; number(value.to_string(), &value.to_le_bytes());)* };
+        ($($value:expr),*) => {$(
+            let value = $value;
+            number(value.to_string(), &value.to_le_bytes());
+        )*};
     }
     for i in 0..10_000_u16 {
         let x = f32::from(i);

@@ -49,7 +49,7 @@ pub(crate) fn check(path: &Path, text: &str) -> Vec<String> {
             }
         }
         let columns = line.chars().count();
-        if cfg!(test) && is_rust && columns > MOST_COLUMNS && !cannot_be_broken(line) {
+        if is_rust && columns > MOST_COLUMNS && !cannot_be_broken(line) {
             find(format!("{columns} columns, {MOST_COLUMNS} are the most"));
         }
     }
