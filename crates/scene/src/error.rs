@@ -118,7 +118,11 @@ impl fmt::Display for SceneError {
                     Some(item) => write!(f, "{item}: has")?,
                     None => write!(f, "the scene has")?,
                 }
-                write!(f, " {now} {what} now, but the trees were built of {before}; build new ones")
+                write!(
+                    f,
+                    " {now} {what} now, and had {before} when its trees or lights were built: "
+                )?;
+                write!(f, "build new ones")
             }
         }
     }

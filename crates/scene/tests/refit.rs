@@ -87,15 +87,15 @@ fn what_refitting_cannot_follow_is_told_and_changes_nothing() {
     let table: &[(Change, &str)] = &[
         (
             |s| s.shapes[0].elements = Elements::Points(39),
-            "shapes[0]: has 39 elements now, but the trees were built of 40; build new ones",
+            "shapes[0]: has 39 elements now, and had 40 when its trees or lights were built: build new ones",
         ),
         (
             |s| s.shapes.push(Shape::default()),
-            "the scene has 5 shapes now, but the trees were built of 4; build new ones",
+            "the scene has 5 shapes now, and had 4 when its trees or lights were built: build new ones",
         ),
         (
             |s| drop(s.instances.pop()),
-            "the scene has 13 instances now, but the trees were built of 14; build new ones",
+            "the scene has 13 instances now, and had 14 when its trees or lights were built: build new ones",
         ),
         (
             |s| s.shapes[1].positions[7] = Vec3::NAN,
