@@ -1,5 +1,5 @@
-//! Tests of the whole pipeline live beside this file, in `tests/`; those of the examples on the pages of
-//! the workspace and of its crates are here.
+//! Runs the examples on the pages of the workspace and of its crates as tests. The tests of the
+//! whole pipeline are in `tests/`.
 
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
@@ -32,3 +32,7 @@ struct Golden;
 #[cfg(doctest)]
 #[doc = include_str!("../../crates/report/README.md")]
 struct Report;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/golden-pictures.md")]
+struct GoldenPictures;

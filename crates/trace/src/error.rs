@@ -1,4 +1,4 @@
-//! Reasons why a film or a render is refused.
+//! Reasons why a render or a film is refused.
 
 use rotund_scene::SceneError;
 

@@ -10,8 +10,7 @@ pub use accumulate::{FilmSample, Progress};
 pub use merge::MergeError;
 pub(crate) use pixel::PixelSum;
 
-use crate::error::{FilmError, RenderError};
-use crate::{Options, Shard};
+use crate::{FilmError, Options, RenderError, Shard};
 use glam::Vec3;
 use rotund_image::Image;
 
