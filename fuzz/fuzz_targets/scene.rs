@@ -1,12 +1,12 @@
-//! Scene files of any bytes.
+//! Loads arbitrary bytes as a scene file.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 
-/// Of a scene without generators: its own lists, and four levels of subdivision of one quad.
+/// Scenes without generators: their lists, and four levels of subdivision of one quad.
 const RATIO: usize = 1 << 12;
-/// A cube of 99 steps, subdivided twice: a million quads of a few words.
+/// A cube of 99 steps, subdivided twice, has a million quads.
 const GENERATED: usize = 1 << 28;
 
 fuzz_target!(|bytes: &[u8]| {

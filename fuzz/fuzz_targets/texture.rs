@@ -1,11 +1,11 @@
-//! Images of any bytes.
+//! Loads arbitrary bytes as an image.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 
-/// What the tightest compression may unfold to, twelve-fold: once as bytes or floats of the file's own
-/// channels, once as four channels.
+/// The highest ratio of compression, times twelve: once for the channels of the file as bytes or
+/// floats, once for four channels.
 const RATIO: usize = 1400 * 12;
 
 fuzz_target!(|bytes: &[u8]| rotund_fuzz::survives("texture", bytes, RATIO, 0));

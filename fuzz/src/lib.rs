@@ -1,14 +1,15 @@
-//! What the fuzz targets share: a folder to load from, an allocator that counts, and what has to hold of
-//! whatever loads.
+//! What the fuzz targets share: a folder to load from, an allocator that counts, and what has to
+//! hold of whatever loads.
 //!
 //! From the root of the workspace, with a nightly compiler and `cargo install cargo-fuzz`:
 //!
 //! ```text
-//! cargo +nightly fuzz run ply fuzz/corpus/ply crates/scene/tests/corpus/ply -- -max_len=2048 -max_total_time=900
+//! cargo +nightly fuzz run ply fuzz/corpus/ply crates/scene/tests/corpus/ply -- \
+//!     -max_len=2048 -max_total_time=900
 //! ```
 //!
-//! and so for `obj`, `scene` and `texture`. What fails goes into `crates/scene/tests/corpus/`, which
-//! `cargo test` replays.
+//! and likewise for `obj`, `scene` and `texture`. Add failing inputs to
+//! `crates/scene/tests/corpus/`, which `cargo test` replays.
 
 use rotund_scene::{LoadOptions, load};
 use std::{
@@ -30,16 +31,16 @@ mod whole;
 ///
 /// # Panics
 ///
-/// If what loads does not hold together, or if loading takes more than `ratio` times the length of the
-/// files, a fixed amount, which is what the readers' own buffers and tables take, and `more`.
+/// If what loads does not hold together, or if loading takes more than `ratio` times the length of
+/// the files, a fixed amount, which is what the readers' own buffers and tables take, and `more`.
 pub fn survives(target: &str, bytes: &[u8], ratio: usize, more: usize) {
     let Some((name, file, scene)) = input::files(target, bytes) else { return };
     static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-        // The hook of libFuzzer ends the process, also at a panic that the loaders catch. One that they do not
-        // catch still ends it, when it gets to the fuzzer.
+        // The hook of libFuzzer ends the process, also at a panic that the loaders catch. One that
+        // they do not catch still ends it, when it gets to the fuzzer.
         std::panic::set_hook(Box::new(|panic| eprintln!("{panic}")));
         let folder = tempfile::tempdir().expect("a temporary folder").keep();
-        // Threads and tables that are made once are not to count.
+        // Create threads and tables first, since they are allocated once.
         let warm = folder.join("warm.json");
         fs::write(&warm, r#"{ "shapes": [{ "generator": { "disk": { "steps": 2, "radius": 1 } } }] }"#)
             .expect("writes the scene");
@@ -62,7 +63,7 @@ pub fn survives(target: &str, bytes: &[u8], ratio: usize, more: usize) {
     }
 }
 
-/// The allocator of the system, and how much of it is in use.
+/// The system allocator, counting the bytes in use.
 struct Counting;
 
 static LIVE: AtomicUsize = AtomicUsize::new(0);
@@ -75,11 +76,11 @@ fn add(size: usize) {
     PEAK.fetch_max(LIVE.fetch_add(size, Relaxed) + size, Relaxed);
 }
 
-// SAFETY: every call is passed on to the allocator of the system as it is.
+// SAFETY: every call is forwarded unchanged to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         add(layout.size());
-        // SAFETY: the caller's promise is the one that is asked for.
+        // SAFETY: the caller upholds the same contract.
         unsafe { System.alloc(layout) }
     }
 
@@ -96,7 +97,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // Old and new may exist at once, and do when the system has to move them.
+        // Old and new block exist at once when the system moves them.
         add(size);
         LIVE.fetch_sub(layout.size(), Relaxed);
         // SAFETY: as above.

@@ -201,8 +201,8 @@ fn several_scenes_share_a_page() {
     }
 }
 
-/// Another seed makes a FLIP error of 0.065 at this size: all limits are below the noise. Measured were
-/// 0.033 far away, where the thinnest lines move by several of their radii, 0.0016 and 0.0013.
+/// Another seed makes a FLIP error of 0.065 at this size: all limits are below the noise. Measured
+/// were 0.033 far away, where the thinnest lines move by several of their radii, 0.0016 and 0.0013.
 #[test]
 fn a_picture_is_the_same_far_from_the_origin_tiny_and_huge() {
     let folder = tempfile::tempdir().expect("a temporary folder");

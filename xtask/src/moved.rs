@@ -1,10 +1,10 @@
 //! `moved <scene>`: does a picture stay the same where the world is far away, tiny or huge?
 //!
 //! Renders the enhanced picture of a scene unchanged; then with everything moved away from the
-//! origin, and with everything modelled in other units, camera included, so that the pictures should
-//! be the same. The differences that remain are rounding: positions in single precision have 24 bits,
-//! so at 10 km from the origin they are multiples of a millimeter. To tell rounding from noise, the
-//! picture with another seed is compared with the first as well.
+//! origin, and with everything modelled in other units, camera included, so that the pictures
+//! should be the same. The differences that remain are rounding: positions in single precision have
+//! 24 bits, so at 10 km from the origin they are multiples of a millimeter. To tell rounding from
+//! noise, the picture with another seed is compared with the first as well.
 
 use anyhow::{Result, bail};
 use rotund::{Cancelled, PictureArgs, enhance, prepare_folder, take, write_text};

@@ -1,4 +1,4 @@
-//! A range of primitive references during a build, and what a build produces from one.
+//! A range of primitive references during a build, and the subtree that is built from one.
 
 use crate::isa::Isa;
 use crate::node::{Child, Node};

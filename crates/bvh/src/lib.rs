@@ -76,3 +76,13 @@ pub use isa::{Isa, UnknownIsa};
 pub use packed::{ConeTree, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
 pub use refit::RefitError;
 pub use rotund_geometry::{self as geometry, Method};
+
+/// Trees can be shared between threads.
+const _: () = {
+    const fn is_shared<T: Send + Sync>() {}
+    is_shared::<Bvh>();
+    is_shared::<SphereTree>();
+    is_shared::<ConeTree>();
+    is_shared::<PatchTree>();
+    is_shared::<TriangleTree>();
+};

@@ -1,5 +1,5 @@
-//! Hair made in code, and what a hair shader asks of each hit: the tangent along the strand, and how far
-//! along the strand the point is.
+//! Hair made in code, and what a hair shader asks of each hit: the tangent along the strand, and
+//! how far along the strand the point is.
 
 use rotund_scene::geometry::{
     Ray,
@@ -10,8 +10,8 @@ use rotund_scene::{Material, Scene, SceneHit, Shape, Trees};
 const STRANDS: u32 = 400;
 const SEGMENTS: u32 = 24;
 
-/// Strands that rise from a square in the plane of x and z, and wave in the wind. Vertices carry, as texture
-/// coordinates, the fraction of the way from root to tip and the number of the strand.
+/// Strands that rise from a square in the plane of x and z, and wave in the wind. Vertices carry,
+/// as texture coordinates, the fraction of the way from root to tip and the number of the strand.
 fn hair() -> Shape {
     let (mut positions, mut radii, mut texcoords) = (Vec::new(), Vec::new(), Vec::new());
     let mut lines = Vec::new();
@@ -43,8 +43,8 @@ struct Fibre {
 }
 
 fn fibre(scene: &Scene, hit: &SceneHit) -> Fibre {
-    // The derivative by `u`, which runs from the first end of a segment to the second. It lies on the
-    // surface, so in a tapered segment it leans towards the axis.
+    // The derivative by `u`, which runs from the first end of a segment to the second. It lies on
+    // the surface, so in a tapered segment it leans towards the axis.
     let (along_segment, _) = scene.eval_tangents(hit.instance, hit.element, hit.uv);
     let texcoord = scene.eval_texcoord(hit.instance, hit.element, hit.uv);
     Fibre { tangent: along_segment.normalize(), along: texcoord.x, strand: texcoord.y as u32 }

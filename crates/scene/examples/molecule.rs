@@ -1,5 +1,5 @@
-//! A molecule from arrays: atoms are spheres, bonds are rounded cones between them. Rays pick an atom or a
-//! bond, and a mistake in the arrays is reported as an error that names it.
+//! A molecule from arrays: atoms are spheres, bonds are rounded cones between them. Rays pick an
+//! atom or a bond, and a mistake in the arrays is reported as an error that names it.
 
 use rotund_scene::geometry::{
     Ray,
@@ -23,8 +23,8 @@ const ETHANOL: [(char, [f32; 3]); 9] = [
 /// Pairs of atoms.
 const BONDS: [[u32; 2]; 8] = [[0, 1], [1, 2], [0, 3], [0, 4], [0, 5], [1, 6], [1, 7], [2, 8]];
 
-/// A scene of two shapes: instance 0 holds the atoms, instance 1 the bonds. Their elements are numbered as in
-/// the arrays.
+/// A scene of two shapes: instance 0 holds the atoms, instance 1 the bonds. Their elements are
+/// numbered as in the arrays.
 fn molecule(atoms: &[(char, [f32; 3])], bonds: &[[u32; 2]]) -> Scene {
     let positions: Vec<Vec3> = atoms.iter().map(|&(_, position)| position.into()).collect();
     let look = |&(element, _): &(char, _)| match element {

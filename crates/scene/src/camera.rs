@@ -6,11 +6,11 @@ use rotund_geometry::Ray;
 /// A thin-lens camera at the origin of its frame, looking along its -z axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// How the command line picks it.
+    /// Name by which a program selects the camera; may be empty.
     pub name: String,
-    /// A rigid frame.
+    /// A rigid frame: right is +x, up is +y, and the view runs along -z.
     pub world_from_camera: Affine3A,
-    /// Parallel rays, the film scaled by `1 / lens`.
+    /// Parallel rays. The region shown is the film, scaled by `1 / lens`.
     pub orthographic: bool,
     /// Focal length in meters.
     pub lens: f32,
@@ -18,14 +18,14 @@ pub struct Camera {
     pub film: f32,
     /// Width over height.
     pub aspect: f32,
-    /// Distance of the plane in focus, in meters.
+    /// Distance to the plane in focus, in meters.
     pub focus: f32,
-    /// Diameter of the lens in meters; zero is a pinhole.
+    /// Diameter of the lens in meters; zero for a pinhole.
     pub aperture: f32,
 }
 
 impl Default for Camera {
-    /// A pinhole with a normal lens on 35 mm film, at the origin.
+    /// A pinhole camera with a 50 mm lens on 35 mm film, at the origin.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -41,29 +41,29 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// The default camera, standing at `eye` and looking at `target`, which is in focus; `up` points up in
-    /// the picture and need not be orthogonal to the view.
+    /// Creates the default camera at `eye`, looking at `target`, which is in focus. `up` points up
+    /// in the picture and need not be orthogonal to the view.
     ///
-    /// If `eye` is `target`, or `up` is along the view, there is no such camera: its frame is not finite,
-    /// which [`crate::Scene::validate`] reports.
+    /// If `eye` equals `target`, or `up` is parallel to the view, the frame is not finite, which
+    /// [`crate::Scene::validate`] reports.
     #[must_use]
     pub fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Self {
         let (world_from_camera, focus) = (look_at(eye, target, up), eye.distance(target));
         Self { world_from_camera, focus, ..Self::default() }
     }
 
-    /// The same camera with parallel rays, whose picture shows `width` meters: across the longer side,
-    /// whatever the aspect.
+    /// Returns this camera with parallel rays, the longer side of whose picture shows `width`
+    /// meters: `Camera::look_at(eye, target, Vec3::Y).orthographic(2.0)`.
     #[must_use]
     pub fn orthographic(self, width: f32) -> Self {
         Self { orthographic: true, lens: 1.0, film: width, ..self }
     }
 
-    /// The ray through a point of the picture and a point of the lens, of unit direction.
+    /// Returns the ray through a point of the picture and a point of the lens, with unit direction.
     ///
-    /// `image_uv` is `0.0..=1.0` over the picture: u runs right, v runs down. `lens_uv` is a point of
-    /// the unit disk; it matters only if the aperture is not zero. All points of the lens see the
-    /// same point of the plane in focus.
+    /// `image_uv` is `0.0..=1.0` over the picture: u runs right, v runs down. `lens_uv` is a point
+    /// of the unit disk, and counts only if the aperture is not zero. The rays of all points of the
+    /// lens meet in the plane in focus.
     #[must_use]
     pub fn ray(&self, image_uv: Vec2, lens_uv: Vec2) -> Ray {
         let film = if self.aspect >= 1.0 {
@@ -85,11 +85,12 @@ impl Camera {
         )
     }
 
-    /// Width and height in pixels of a picture whose longer side is `longer_side`; none is zero.
+    /// Returns width and height in pixels of a picture whose longer side is `longer_side`; neither
+    /// is zero.
     #[must_use]
     pub fn resolution(&self, longer_side: u32) -> (u32, u32) {
         let longer_side = longer_side.max(1);
-        // Pixel counts stay far below 2^24, so these conversions lose nothing that matters.
+        // Pixel counts are far below 2^24, so these conversions are exact.
         let shorter = |ratio: f32| ((longer_side as f32 * ratio).round() as u32).max(1);
         if self.aspect >= 1.0 {
             (longer_side, shorter(1.0 / self.aspect))
@@ -99,7 +100,7 @@ impl Camera {
     }
 }
 
-/// The frame at `eye` whose -z axis points to `target`; not finite if there is none.
+/// Returns the frame at `eye` whose -z axis points to `target`; not finite if there is none.
 pub(crate) fn look_at(eye: Vec3, target: Vec3, up: Vec3) -> Affine3A {
     let z = (eye - target).normalize();
     let x = up.cross(z).normalize();

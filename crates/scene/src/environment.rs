@@ -1,27 +1,29 @@
-//! Light from infinitely far away.
+//! Environments: light from infinitely far away, and the parametrization of directions.
 
 use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// A constant or a latitude-longitude image times a colour.
+/// A light at infinity: a constant radiance, or one times a latitude-longitude image. The default
+/// is black.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
-    /// For messages.
+    /// Name for messages; may be empty.
     pub name: String,
-    /// A rigid frame; `y` points to the first row of the image.
+    /// A rigid frame; its y axis points to the first row of the image.
     pub world_from_environment: Affine3A,
-    /// Radiance.
+    /// Radiance, or the factor of the image.
     pub emission: Vec3,
-    /// Index into [`crate::Scene::textures`]; scales `emission`.
+    /// Image that scales `emission`: an index into [`crate::Scene::textures`].
     pub emission_tex: Option<u32>,
 }
 
 impl Environment {
-    /// Where the image holds what comes from `direction`, which need not have unit length:
-    /// `u = atan2(z, x) / 2 pi` and `v = acos(y) / pi`, both in `0.0..=1.0`, in the environment's frame.
+    /// Returns the image coordinates of `direction`, which need not have unit length: in the frame
+    /// of the environment `u = atan2(z, x) / 2 pi` and `v = acos(y) / pi`, both in `0.0..=1.0`.
     ///
-    /// They are within 2^-23 of those of the rounded direction: a thousandth of a pixel of an image
-    /// 8192 pixels wide. A direction of zero, or too long to be squared, gives some place.
+    /// They are within 2^-23 of the exact ones of the rounded direction, a thousandth of a pixel of
+    /// an image 8192 pixels wide. A zero direction, or one whose square overflows, gives
+    /// unspecified coordinates in that range.
     #[must_use]
     #[inline]
     pub fn uv(&self, direction: Vec3) -> Vec2 {
@@ -33,12 +35,12 @@ impl Environment {
         let turn = quarter_turn(x.abs(), z.abs());
         let turn = if x < 0.0 { 0.5 - turn } else { turn };
         let u = if z < 0.0 { 1.0 - turn } else { turn };
-        // By both legs, for an arc cosine has few digits near the poles.
+        // From both legs, since an arc cosine is ill-conditioned near the poles.
         let v = 2.0 * quarter_turn(y.abs(), (x * x + z * z).sqrt());
         Vec2::new(u, if y < 0.0 { 1.0 - v } else { v })
     }
 
-    /// The direction, of unit length, that [`Self::uv`] maps to `uv`.
+    /// Returns the direction of unit length that [`Self::uv`] maps to `uv`.
     #[must_use]
     pub fn direction(&self, uv: Vec2) -> Vec3 {
         let (sin_u, cos_u) = (TAU * uv.x).sin_cos();
@@ -48,16 +50,16 @@ impl Environment {
     }
 }
 
-/// `atan2(y, x) / 2 pi` for what is not negative; zero at the origin.
+/// Returns `atan2(y, x) / 2 pi` for arguments that are not negative; zero at the origin.
 ///
-/// The functions of the library find out by branches where they are, and for directions that are random these
-/// are guessed wrong. Every ray that leaves a scene asks for two angles.
+/// The library function selects its interval by branches, which are mispredicted for random
+/// directions, and every ray that leaves a scene needs two angles. This one is branch-free.
 #[inline]
 fn quarter_turn(x: f32, y: f32) -> f32 {
     let (low, high) = if x < y { (x, y) } else { (y, x) };
     let slope = if high > 0.0 { low / high } else { 0.0 };
     let square = slope * slope;
-    // The polynomial of 8 odd powers that is nearest to `atan(slope) / 2 pi` in 0..1: within 6.0e-9.
+    // The minimax polynomial of 8 odd powers for `atan(slope) / 2 pi` in 0..1; its error is 6.0e-9.
     let turn = [
         -0.000_645_304_46,
         0.003_479_598,
@@ -90,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_those_of_the_exact_angles() {
+    fn coordinates_are_those_of_the_exact_angles() {
         let sky = sky();
         let spiral = (0..200_000).map(|i| {
             let azimuth = f64::from(i) * 2.399_963;
@@ -113,12 +115,12 @@ mod tests {
                 assert!(worst < bound, "{direction} times {scale}: {found}, not {u} {v}");
             }
         }
-        // Near enough that the bound says something.
+        // The bound is tight.
         assert!(worst > 0.25 * bound, "{worst}");
     }
 
     #[test]
-    fn axes_are_where_they_should_be() {
+    fn axes_have_their_exact_coordinates() {
         let sky = sky();
         let table = [
             (Vec3::X, [0.0, 0.5]),

@@ -1,16 +1,17 @@
-//! Why a scene was refused.
+//! Errors of scenes.
 
 use crate::ElementKind;
 use std::{error::Error, fmt};
 
-/// Why a scene cannot be rendered or traced: names the item, the element or vertex, and the value.
+/// Why a scene is not valid, or trees cannot be refitted to it: names the item, the element or
+/// vertex, and the value.
 ///
-/// The message says everything, so [`Error::source`] is `None`.
+/// The message is complete, so [`Error::source`] is `None`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages and the names of the fields say it")]
 pub enum SceneError {
-    /// A reference to another item that the scene does not have.
+    /// A reference to an item that the scene does not have.
     IndexOutOfRange {
         item: SceneItem,
         field: &'static str,
@@ -20,7 +21,7 @@ pub enum SceneError {
     },
     /// A number outside of its range, or a frame without an inverse.
     Value { item: SceneItem, field: &'static str, value: String, expected: &'static str },
-    /// Vertex data that are neither absent nor one for each position.
+    /// A vertex array that is neither empty nor as long as the positions.
     ArrayLength { shape: SceneItem, array: &'static str, length: usize, positions: usize },
     /// Points or lines without radii.
     MissingRadii { shape: SceneItem, kind: ElementKind },
@@ -34,7 +35,7 @@ pub enum SceneError {
         vertex: u32,
         positions: usize,
     },
-    /// A position, normal, texture coordinate, colour or radius that no vertex can have.
+    /// A position, normal, texture coordinate, colour or radius that is outside of its domain.
     VertexValue {
         shape: SceneItem,
         array: &'static str,
@@ -46,12 +47,12 @@ pub enum SceneError {
     PixelCount { texture: SceneItem, width: u32, height: u32, pixels: usize },
     /// A pixel that is not finite.
     PixelValue { texture: SceneItem, x: usize, y: usize, value: String },
-    /// The bytes given for a texture are not four for each pixel.
+    /// Not four bytes for each pixel of a texture.
     ByteCount { width: u32, height: u32, bytes: usize },
     /// More elements than a tree holds.
     TooMany { shape: SceneItem, kind: ElementKind, count: usize, limit: usize },
-    /// What refitting cannot follow: the scene has another number of items or elements than the one
-    /// that the trees were built of.
+    /// Refitting is impossible: the scene does not have as many items or elements as the one that
+    /// the trees were built from.
     Changed { item: Option<SceneItem>, what: &'static str, before: usize, now: usize },
 }
 
@@ -118,7 +119,7 @@ impl fmt::Display for SceneError {
                     Some(item) => write!(f, "{item}: has")?,
                     None => write!(f, "the scene has")?,
                 }
-                write!(f, " {now} {what} now, but the trees were built of {before}; build new ones")
+                write!(f, " {now} {what}, but the trees were built from {before}: build new trees")
             }
         }
     }

@@ -1,11 +1,11 @@
-//! The way of a ray into an instance and of its hit back, with what rounding does to both.
+//! Transforms of rays into instances and of hits back, with bounds on their rounding.
 //!
 //! # Error of a hit in world space
 //!
-//! Let `x ↦ M x + T` be the frame and `x ↦ W x + w` the inverse that we hold in `f32`. A hit at `p`,
+//! Let `x ↦ M x + T` be the frame and `x ↦ W x + w` its inverse, stored in `f32`. A hit at `p`,
 //! within `e` of the surface along its normal `n`, is reported at the rounded `M p + T`. A ray that
-//! starts near there comes back to object space by the rounded `W x + w`. On the way each coordinate
-//! is off by at most
+//! starts near there is transformed to object space by the rounded `W x + w`. The error of each
+//! coordinate is at most the sum of
 //!
 //! ```text
 //! |W| γ (|M| |p| + |T|)                      rounding on the way out, carried back
@@ -13,15 +13,15 @@
 //! γ (|W| (|M| |p| + |T|) + |w|)              rounding on the way in
 //! ```
 //!
-//! where `γ = 4 u / (1 - 4 u)` bounds three products and three sums, and `| |` is taken of each entry.
-//! This is `G |p| + g` with `G` and `g` computed once. A step of length `E` along the world normal
-//! `N = M⁻ᵀ n / |M⁻ᵀ n|` moves the ray's origin by `E |M⁻ᵀ n|` along `n`, so
+//! where `γ = 4 u / (1 - 4 u)` bounds three products and three sums, and `| |` is taken of each
+//! entry. This is `G |p| + g` with `G` and `g` computed once. A step of length `E` along the world
+//! normal `N = M⁻ᵀ n / |M⁻ᵀ n|` moves the ray's origin by `E |M⁻ᵀ n|` along `n`, so
 //!
 //! ```text
 //! E = (e + |n|·(G |p| + g)) / |M⁻ᵀ n|
 //! ```
 //!
-//! is enough to stand clear of the surface in object space. An identity adds nothing.
+//! suffices to clear the surface in object space. An identity adds no error.
 //!
 //! Source for `γ`: N. J. Higham, "Accuracy and Stability of Numerical Algorithms", 2nd edition,
 //! chapter 3, 2002.
@@ -29,11 +29,11 @@
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A};
 use rotund_geometry::{Aabb, Hit, Ray, UNIT_ROUNDOFF};
 
-/// Bounds the relative error of three products and three sums, with room for the rounding of the
+/// Bound on the relative error of three products and three sums, rounded up for the rounding of the
 /// bounds themselves.
 const GAMMA: f64 = 4.01 * UNIT_ROUNDOFF as f64;
 
-/// The frame of an instance, prepared for rays.
+/// The frame of an instance, with its inverse and error bounds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     world_from_object: Affine3A,
@@ -46,7 +46,7 @@ pub(crate) struct Frame {
     identity: bool,
 }
 
-/// Position, normal and error in world space.
+/// Position, normal and error of a hit in world space.
 pub(crate) struct WorldHit {
     pub position: Vec3,
     pub normal: Vec3,
@@ -77,8 +77,8 @@ impl Frame {
         }
     }
 
-    /// The same ray in object space: `t` keeps its meaning, for the direction keeps its length in
-    /// world space.
+    /// Transforms a ray to object space. `t` is the same in both spaces, since the direction is not
+    /// normalized.
     #[inline]
     pub(crate) fn object_ray(&self, ray: &Ray) -> Ray {
         if self.identity {
@@ -103,23 +103,24 @@ impl Frame {
         WorldHit {
             position: self.world_from_object.transform_point3(hit.position),
             normal: Vec3::from(normal / length),
-            // A few more roundings: in the sums above, the length and the division.
+            // The factor covers the roundings of the sums above, the length and the division.
             error: object_error / length * (1.0 + 16.0 * UNIT_ROUNDOFF),
         }
     }
 
-    /// How far, in object space, a ray that left the middle of a ribbon may be from it at its start: the
-    /// length of the step `E` seen from there, and the rounding of the way back. `bounds` hold the shape.
+    /// Returns a bound on the distance, in object space, between a ribbon and the start of a ray
+    /// that left its middle: the length of the step `E` in object space, and the rounding of the
+    /// transform back. `bounds` contain the shape.
     ///
-    /// A ribbon, that is a vanilla point or line, has no sides: a ray leaves it from its middle, and
-    /// rounding decides whether it comes closest before or after its start. What is nearer than this is
-    /// the ribbon that it left.
+    /// A ribbon, that is a vanilla point or line, has no sides: a ray leaves it from its middle,
+    /// and rounding decides whether the closest approach lies before or after the start. Anything
+    /// nearer than this bound is taken for the ribbon that the ray left.
     pub(crate) fn ribbon_start(&self, bounds: Aabb) -> f32 {
         if bounds.is_empty() {
             return 0.0;
         }
         let farthest = Vec3A::from(bounds.min.abs().max(bounds.max.abs()));
-        // The sum of the coordinates bounds both the length, and what rounding adds in the primitive.
+        // The sum of the coordinates bounds both the length and the rounding inside the primitive.
         let off = self.slope * farthest + self.offset;
         let off = off.element_sum() + 2.0 * UNIT_ROUNDOFF * farthest.element_sum();
         let norm = |m: Mat3A| {
@@ -130,7 +131,8 @@ impl Frame {
         off * (1.0 + stretch)
     }
 
-    /// A box in world space around a box in object space, and around what rays see of it.
+    /// Returns a box in world space around a box in object space, grown by the errors of
+    /// transformed rays.
     pub(crate) fn world_bounds(&self, bounds: Aabb) -> Aabb {
         if self.identity || bounds.is_empty() {
             return bounds;

@@ -1,34 +1,32 @@
-//! Where rays meet scenes.
+//! Hits of rays and scenes.
 
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Hit, Ray};
 
-/// Where a ray meets a scene, in world space.
+/// A point where a ray meets a surface of a scene, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneHit {
     /// Index into [`Scene::instances`].
     pub instance: u32,
     /// Index into the elements of the instance's shape.
     pub element: u32,
-    /// Parameters of the element, which with it name the point: `scene.eval_position` gives back
-    /// `position`, except under vanilla methods whose place depends on the ray (points, and lines
-    /// across).
+    /// Parameters of the point on the element. [`crate::Scene::eval_position`] rebuilds `position`
+    /// from them, except for vanilla points and lines, whose position depends on the ray.
     pub uv: Vec2,
     /// Position along the ray, in units of its direction.
     pub t: f32,
     /// The point, within `error` of the surface.
     pub position: Vec3,
-    /// Geometric normal: unit length, out of the solid whichever side the ray came from.
+    /// Geometric normal of unit length, out of the solid whichever side the ray came from.
     pub normal: Vec3,
-    /// How far along `normal` a ray has to start from `position` in order not to meet the surface
-    /// again: what [`rotund_geometry::leave_surface`] asks for. It covers the rounding of the way to
-    /// object space and back.
+    /// Bound on the distance along `normal` from `position` to the surface. It covers the rounding
+    /// of the transforms to object space and back. [`Self::spawn`] steps off the surface by it.
     pub error: f32,
 }
 
 impl SceneHit {
-    /// The ray from this point in `direction`, of any length, that does not meet the surface that it
-    /// leaves, on whichever side of it `direction` points to.
+    /// Returns the ray from this point in `direction`, of any length, that does not meet the
+    /// surface it starts on again by rounding. It starts on the side that `direction` points to.
     ///
     /// ```
     /// use rotund_scene::{Material, Scene, Shape, Trees};
@@ -49,16 +47,16 @@ impl SceneHit {
         self.plain().spawn(direction)
     }
 
-    /// The ray from this point towards `point`, which is at `t = 1`, to find out whether anything is in
-    /// between. It starts as [`Self::spawn`] does, and ends just before `point`, at `t_max = 1 - 2⁻¹⁹`,
-    /// so that a surface there does not count.
+    /// Returns the ray from this point towards `point`, which is at `t = 1`, for visibility tests.
+    /// It starts as [`Self::spawn`] does, and ends just before `point`, at `t_max = 1 - 2⁻¹⁹`, so
+    /// that a surface there does not count.
     #[must_use]
     #[inline]
     pub fn spawn_to(&self, point: Vec3) -> Ray {
         self.plain().spawn_to(point)
     }
 
-    /// The same point, of whatever primitive.
+    /// Returns the hit without its instance and element.
     #[inline]
     fn plain(&self) -> Hit {
         let Self { t, position, error, normal, uv, .. } = *self;

@@ -1,4 +1,5 @@
-//! Rays through a scene: a tree over instances, and under each a tree over the elements of its shape.
+//! Ray queries on scenes: a tree over instances, whose leaves refer to a tree over the elements of
+//! a shape.
 
 use crate::{
     Scene, SceneError, SceneHit,
@@ -10,51 +11,53 @@ use rayon::prelude::*;
 use rotund_bvh::{Bvh, Isa, PrimitiveHit, Statistics};
 use rotund_geometry::{Hit, Ray};
 
-/// The trees of one scene.
+/// The acceleration structure of one scene: bounding volume hierarchies over its instances and
+/// elements.
 ///
-/// They hold copies of the geometry, and serve either [`crate::Method`]: setting a method, a material or a
-/// texture asks for nothing. After vertices, radii or frames moved, [`Trees::refit`] follows; shapes,
-/// elements and instances that come or go ask for new trees.
+/// The trees hold copies of the geometry and serve either [`crate::Method`], so methods, materials
+/// and textures may change freely. After vertices, radii or frames moved, call [`Trees::refit`];
+/// after shapes, elements or instances were added or removed, build new trees.
 #[derive(Clone, Debug)]
 pub struct Trees {
-    /// Over `placements`.
+    /// The tree over `placements`.
     upper: Bvh,
     placements: Vec<Placement>,
-    /// One for each shape; then those that several instances share.
+    /// The tree of each shape, followed by those that several instances share.
     trees: Vec<ShapeTree>,
-    /// The number of elements of each shape, and of instances.
+    /// The number of elements of each shape.
     element_counts: Vec<usize>,
     instance_count: usize,
-    /// Of each shared tree, how many elements are before those of each instance.
+    /// For each shared tree, the number of elements before those of each of its instances.
     shared: Vec<Vec<u32>>,
     route: Route,
 }
 
-/// By which route position and normal of a [`SceneHit`] come.
+/// The source of position and normal of a [`SceneHit`].
 ///
-/// Vanilla points and lines are where the ray meets them, which parameters do not tell: with either route
-/// theirs are carried.
+/// Those of vanilla points and lines are always carried, since they depend on the ray and cannot be
+/// rebuilt from parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Route {
-    /// With the hit: what the intersection found on the way.
+    /// The intersection computes them.
     #[default]
     Carried,
-    /// From the element and `uv`, by [`Scene::eval_position`] and [`Scene::eval_normal`]: as a renderer
-    /// does that stores nothing else. `error` covers what that adds.
+    /// [`Scene::eval_position`] and [`Scene::eval_normal`] rebuild them from element and `uv`, as
+    /// in a renderer that stores nothing else. `error` covers the additional rounding.
     Rebuilt,
 }
 
-/// How far a rebuilt point may be from the carried one beyond the error of the hit, per unit of the size of
-/// the element in the world and of its distance from the origin. `tests/frames.rs` holds it.
+/// Bound on the distance of a rebuilt point from the carried one beyond the error of the hit, per
+/// unit of the size of the element in the world and of its distance from the origin.
+/// `tests/frames.rs` holds it.
 const ROUND_TRIP: f32 = 8.0 * f32::EPSILON;
 
 impl Trees {
-    /// Builds all trees, on all threads of the current rayon pool; the result does not depend on how
-    /// many there are.
+    /// Validates the scene and builds all trees, on all threads of the current rayon pool. The
+    /// result does not depend on their number.
     ///
     /// # Errors
     ///
-    /// If the scene is not valid: see [`Scene::validate`], which comes first.
+    /// If the scene is not valid: see [`Scene::validate`].
     pub fn build(scene: &Scene) -> Result<Self, SceneError> {
         scene.validate()?;
         let trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
@@ -70,17 +73,17 @@ impl Trees {
         })
     }
 
-    /// Follows a scene whose vertices, radii, frames or materials changed: faster than to build new
-    /// trees, and with the same answers. The boxes are fitted to the elements that moved, and the
-    /// arrangement of the trees stays, so rays get slower as neighbours move apart; where that matters,
-    /// new trees are worth their time.
+    /// Refits the trees to a scene whose vertices, radii or frames changed, which is faster than
+    /// building new ones. Answers are those of new trees. Bounds are recomputed and the topology
+    /// stays, so queries become slower as neighbours move apart; build new trees once that costs
+    /// more than a build.
     ///
-    /// Elements may name other vertices, and instances other shapes.
+    /// Elements may also name other vertices, and instances other shapes.
     ///
     /// # Errors
     ///
-    /// If the scene is not valid, or if the number of shapes, of the elements of a shape, or of instances
-    /// is not that of the scene that the trees were built of. The trees stay as they are.
+    /// If the scene is not valid, or if it does not have as many shapes, elements in each shape, or
+    /// instances as the one that the trees were built from. The trees are then as before.
     pub fn refit(&mut self, scene: &Scene) -> Result<(), SceneError> {
         scene.validate()?;
         self.check_counts(scene)?;
@@ -118,29 +121,30 @@ impl Trees {
         if before != now { changed(None, "instances", before, now) } else { Ok(()) }
     }
 
-    /// The same trees, walked with these instructions: the answers are the same, to the bit.
+    /// Selects the instruction set of queries; answers are the same to the bit.
     #[must_use]
     pub fn with_isa(self, isa: Isa) -> Self {
         let trees = self.trees.into_iter().map(|tree| tree.with_isa(isa)).collect();
         Self { upper: self.upper.with_isa(isa), trees, ..self }
     }
 
-    /// The same trees, whose hits come by this route.
+    /// Selects the source of position and normal of hits.
     #[must_use]
     pub fn with_route(self, route: Route) -> Self {
         Self { route, ..self }
     }
 
-    /// The first surface that the ray meets with `t` in `t_min..=t_max`. Ties go to the instance, and
-    /// in it to the element, that comes first.
+    /// Returns the first hit of the ray with `t` in `t_min..=t_max`. Of equal `t`, the lowest
+    /// instance wins, and in it the lowest element.
     ///
     /// # Panics
     ///
-    /// It may, if `scene` is not the one that the trees were built of or refitted to.
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
         if let [placement] = self.placements.as_slice() {
-            // Not moved out of the option: a copy of what has just been written waits until it has left the processor.
+            // Borrow the hit instead of moving it: copying it right after the store stalls on
+            // store-to-load forwarding.
             let found = self.closest_in(scene, placement, ray);
             return found
                 .as_ref()
@@ -155,7 +159,7 @@ impl Trees {
         Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit))
     }
 
-    /// What a ray meets of a placement.
+    /// Returns the first hit of the ray in a placement, in object space.
     #[inline(always)]
     fn closest_in(&self, scene: &Scene, placement: &Placement, ray: &Ray) -> Option<PrimitiveHit> {
         let shape = &scene.shapes[placement.shape as usize];
@@ -163,7 +167,7 @@ impl Trees {
         tree.closest(&placement.object_ray(shape, ray), shape.method)
     }
 
-    /// The hit of an element of a placement, in world space.
+    /// Converts the hit of an element of a placement to world space.
     #[inline(always)]
     fn scene_hit(&self, scene: &Scene, placement: &Placement, element: u32, hit: &Hit) -> SceneHit {
         let (instance, element) = self.locate(placement, element);
@@ -186,13 +190,14 @@ impl Trees {
         SceneHit {
             position: scene.eval_position(instance, element, hit.uv),
             normal: scene.eval_normal(instance, element, hit.uv),
-            // Of the hit from the surface, and of the rebuilt point from the hit.
+            // The distance of the hit from the surface, plus that of the rebuilt point from the
+            // hit.
             error: 2.0 * hit.error + ROUND_TRIP * scale,
             ..hit
         }
     }
 
-    /// The size of the tree under each shape, in order.
+    /// Returns the size of the tree of each shape, in order.
     #[must_use]
     pub fn statistics(&self) -> Vec<Statistics> {
         self.trees[..self.shape_count()].iter().map(ShapeTree::statistics).collect()
@@ -202,7 +207,7 @@ impl Trees {
         self.trees.len() - self.shared.len()
     }
 
-    /// An instance and an element of its shape, from an element of the tree of a placement.
+    /// Returns instance and element of its shape for an element of the tree of a placement.
     fn locate(&self, placement: &Placement, element: u32) -> (u32, u32) {
         let Some(shared) = (placement.tree as usize).checked_sub(self.shape_count()) else {
             return (placement.instance, element);
@@ -212,11 +217,11 @@ impl Trees {
         (placement.instance + place as u32, element - starts[place])
     }
 
-    /// True if the ray meets anything with `t` in `t_min..=t_max`.
+    /// Returns true if the ray has a hit with `t` in `t_min..=t_max`.
     ///
     /// # Panics
     ///
-    /// As [`Self::closest`].
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
     #[must_use]
     pub fn any(&self, scene: &Scene, ray: &Ray) -> bool {
         let test = |id: u32, ray: &Ray| {

@@ -1,50 +1,61 @@
-//! Scenes of points, lines, triangles and quads: plain arrays, rays through them, and what is where
-//! a ray meets them.
+//! Scenes of points, lines, triangles and quads: plain arrays, ray queries, and evaluation of
+//! surface points.
 //!
-//! [`load`] reads the scenes of yocto-gl. [`Trees`] finds the first [`SceneHit`] of a ray. The `eval_`
-//! functions of [`Scene`] tell position, normals, tangents, texture coordinates, colour and material of a
-//! point that is named by instance, element and `uv`, and by nothing else.
+//! A [`Scene`] is made in code, by [`Shape::points`], [`Scene::add`] and the like, or loaded by
+//! [`load`] from files of yocto-gl. [`Trees::build`] validates it and builds the acceleration
+//! structure; [`Trees::closest`] finds the first [`SceneHit`] of a ray. The `eval_` functions of
+//! [`Scene`] compute position, normals, tangents, texture coordinates, colour and material of a
+//! surface point from instance, element and `uv` alone.
 //!
 //! # Parameters
 //!
-//! `uv` are the parameters of the primitive, both in `0.0..=1.0`, without a jump but where something closes:
+//! `uv` are the parameters of a primitive, both in `0.0..=1.0`. They are continuous except where a
+//! surface closes:
 //!
 //! ```text
-//!  sphere, a globe        rounded cone, a striped tube         patch             triangle   two triangles
+//!  sphere, a globe       rounded cone, a striped tube      patch           triangle  two triangles
 //!
-//!     v = 0 (+y)             v: around the axis, 2 pi v        p01 ------ p11      p2         p3 ---- p2
-//!      .------.               .---------___                     |  ^     /         | \         | \  2  |
-//!    .'        '.           .'   :         ---.                 | v|    /        ^ |  \      ^ |   \   |
-//!   |  u: 2 pi u |    u = 0 (    :   u -->   : ) u = 1          |  +-->/         v |   \     v | 1   \ |
-//!    '. x to z .'           '.   :      ___---'                 |   u /            p0 - p1     p0 ---- p1
-//!      '------'               '---------                       p00 - p10           u -->       u -->
-//!     v = 1 (-y)            cap p0   body   cap p1
+//!     v = 0 (+y)            v: around the axis, 2 pi v     p01 ------ p11    p2        p3 ---- p2
+//!      .------.              .---------___                  |  ^     /       | \        | \  2  |
+//!    .'        '.          .'   :         ---.              | v|    /      ^ |  \     ^ |   \   |
+//!   |  u: 2 pi u |   u = 0 (    :   u -->   : ) u = 1       |  +-->/       v |   \    v | 1   \ |
+//!    '. x to z .'          '.   :      ___---'              |   u /          p0 - p1    p0 ---- p1
+//!      '------'              '---------                    p00 - p10         u -->      u -->
+//!     v = 1 (-y)           cap p0   body   cap p1
 //! ```
 //!
-//! - A sphere has longitude `2 pi u` from x towards z, and polar angle `pi v` from +y: as an environment is
-//!   laid out. A vanilla point has no parameters, `uv = 0`.
-//! - A rounded cone has, in `u`, the length along its profile from the pole of the cap about the first vertex
-//!   over the body to the other pole, as a fraction, so caps and body join without a jump; and in `v` the
-//!   angle around the axis. A vanilla line has in `u` the fraction of the way along its axis, and in `v` how
-//!   far beside it the ray passes, in radii; its position is on the axis.
-//! - A patch is bilinear: `u` from `p00` to `p10`, `v` from `p00` to `p01`. Two triangles share the square: the
-//!   first where `u + v <= 1`.
-//! - A triangle has the weights of its second and third vertex.
+//! - A sphere has longitude `2 pi u` from x towards z and polar angle `pi v` from +y, the layout of
+//!   environments. A vanilla point has no parameters: its `uv` is zero.
+//! - On a rounded cone, `u` is the arc length along the profile, from the pole of the cap about the
+//!   first vertex over the body to the other pole, as a fraction of the whole, so that caps and
+//!   body join without a jump; `v` is the angle around the axis. On a vanilla line, `u` is the
+//!   fraction of the way along the axis, and `v` the distance at which the ray passes the axis, in
+//!   radii; its position is on the axis.
+//! - A patch is bilinear: `u` runs from `p00` to `p10`, `v` from `p00` to `p01`. The two triangles
+//!   of a vanilla quad share that square: the first covers `u + v <= 1`.
+//! - On a triangle, `u` and `v` are the barycentric weights of the second and third vertex.
 //!
-//! Without texture coordinates at the vertices these parameters are the texture coordinates. With them,
-//! patches interpolate bilinearly, triangles linearly, tubes along the axis, and a point has its own.
+//! A shape without texture coordinates uses these parameters as texture coordinates. With texture
+//! coordinates, patches interpolate them bilinearly, triangles linearly, rounded cones along the
+//! axis, and each point has its own.
 //!
-//! The point and the normal of a hit come by two routes: carried with the [`SceneHit`], or rebuilt from
-//! `uv` by [`Scene::eval_position`] and [`Scene::eval_normal`]; [`Trees::with_route`] chooses. Both name the same point: they are within
-//! `error + 2^-22 (size + distance)` of each other, with the error of the hit, the size of the element in the
-//! world and its distance from the origin; the normals within 1e-6 radians, times what the frame flattens, and
-//! what the normal turns while `uv` change by 2^-22, which is much about a fold of a patch or on the cap of a
-//! needle. `tests/frames.rs` holds this over more than a million hits of all forms in mirrored, scaled, sheared
-//! and far frames; `cargo xtask accuracy --round-trip 50000000` prints it for as many as you like: the
-//! worst points are apart by half of what is allowed, the worst normals by a fifth.
+//! # Carried and rebuilt points
 //!
-//! Whether points, lines and quads are exact shapes or the usual approximations is data: the [`Method`] of
-//! each shape, which may be changed at any time.
+//! Position and normal of a hit are available by two routes: carried with the [`SceneHit`], or
+//! rebuilt from `uv` by [`Scene::eval_position`] and [`Scene::eval_normal`]; [`Trees::with_route`]
+//! selects one. The two positions are within `error + 2^-22 (size + distance)` of each other, where
+//! `error` is that of the hit, `size` the extent of the element in the world, and `distance` that
+//! from the origin. The two normals are within 1e-6 radians of each other, times the flattening of
+//! the frame, plus the angle by which the normal turns while `uv` changes by 2^-22, which is large
+//! at a fold of a patch and on the cap of a needle. `tests/frames.rs` holds this over more than a
+//! million hits of all primitives in mirrored, scaled, sheared and far frames; `cargo xtask
+//! accuracy --round-trip 50000000` measures it for as many hits as you like: the worst positions
+//! are apart by half of the bound, the worst normals by a fifth.
+//!
+//! # Methods
+//!
+//! The [`Method`] of each shape says whether its points, lines and quads are the exact shapes or
+//! the usual approximations. It can be changed at any time.
 //!
 //! ```
 //! use rotund_geometry::glam::{Vec2, vec2};
@@ -52,7 +63,7 @@
 //!
 //! let mut scene = load("../../scenes/shapes4.json", &LoadOptions::default())?.scene;
 //! let trees = Trees::build(&scene)?;
-//! // Through the middle of the thick points.
+//! // A ray through the middle of the thick points.
 //! let ray = scene.cameras[1].ray(vec2(0.5, 0.47), Vec2::ZERO);
 //! for method in [Method::Vanilla, Method::Enhanced] {
 //!     scene.set_method(ElementKind::Points, method);
@@ -64,6 +75,12 @@
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Features
+//!
+//! `load`, on by default, adds [`load`] and [`load_bytes`] with their readers of JSON, PLY, OBJ and
+//! images. Without it the crate depends on Rotund's geometry, trees and colour conversions, `glam`
+//! and `rayon` alone.
 
 mod camera;
 mod environment;

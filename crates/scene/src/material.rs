@@ -2,59 +2,59 @@
 
 use glam::Vec3;
 
-/// The scattering models that scenes name.
+/// The scattering models of surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MaterialKind {
-    /// Lambertian.
+    /// A Lambertian surface.
     #[default]
     Matte,
     /// A dielectric coat over a Lambertian base.
     Glossy,
     /// A conductor.
     Reflective,
-    /// The wall of a solid dielectric.
+    /// The boundary of a dielectric solid.
     Refractive,
-    /// A thin sheet of a dielectric, which does not bend light.
+    /// A thin dielectric sheet, which transmits light without refraction.
     Transparent,
-    /// The border of a cloud: it does nothing to light, but what is inside does.
+    /// The boundary of a participating medium, which itself neither reflects nor refracts.
     Volumetric,
 }
 
-/// The parameters of a surface as a file states them; textures are indices into
-/// [`crate::Scene::textures`].
+/// The parameters of a surface. Textures are indices into [`crate::Scene::textures`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// For messages.
+    /// Name for messages; may be empty.
     pub name: String,
-    /// Which model.
+    /// The scattering model.
     pub kind: MaterialKind,
     /// Emitted radiance, from both sides.
     pub emission: Vec3,
-    /// Albedo, reflectance at normal incidence, or transmission over [`Material::trdepth`].
+    /// Albedo, reflectance at normal incidence, or transmittance over [`Material::trdepth`], by the
+    /// kind of the material.
     pub color: Vec3,
-    /// Perceptual, `0.0..=1.0`: the width of the microfacet distribution is its square.
+    /// Perceptual roughness, `0.0..=1.0`; its square is the width of the microfacet distribution.
     pub roughness: f32,
     /// Index of refraction of the solid or coat.
     pub ior: f32,
-    /// Depth in meters at which `color` is what remains of the light inside a solid or cloud.
+    /// Distance in meters over which `color` is the transmittance inside a solid or medium.
     pub trdepth: f32,
-    /// Single-scattering albedo of the medium inside: the fraction of the extinguished light that is
-    /// scattered rather than absorbed. Scene files call it `scattering`.
+    /// Single-scattering albedo of the medium inside: the fraction of the extinguished light that
+    /// is scattered rather than absorbed. Scene files call it `scattering`.
     pub albedo: Vec3,
     /// Mean cosine of the scattering angle inside, strictly between -1 and 1; positive is forward
     /// scattering. Scene files call it `scanisotropy`.
     pub anisotropy: f32,
-    /// Probability that the surface is there at all.
+    /// Probability that a ray meets the surface rather than passing through.
     pub opacity: f32,
-    /// Scales emission.
+    /// Scales [`Material::emission`].
     pub emission_tex: Option<u32>,
-    /// Scales colour and, by its alpha, opacity.
+    /// Scales [`Material::color`] and, by its alpha, [`Material::opacity`].
     pub color_tex: Option<u32>,
-    /// Its green scales roughness.
+    /// Scales [`Material::roughness`] by its green channel.
     pub roughness_tex: Option<u32>,
     /// Scales [`Material::albedo`], by its color where light enters the medium.
     pub scattering_tex: Option<u32>,
-    /// A normal map.
+    /// Normal map in tangent space.
     pub normal_tex: Option<u32>,
 }
 
@@ -80,23 +80,23 @@ impl Default for Material {
     }
 }
 
-/// A [`Material`] evaluated at a point: textures and vertex colours applied.
+/// A [`Material`] at a surface point, with textures and vertex colours applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialPoint {
-    /// Which model.
+    /// The scattering model.
     pub kind: MaterialKind,
     /// Emitted radiance, from both sides.
     pub emission: Vec3,
     /// Albedo or reflectance at normal incidence.
     pub color: Vec3,
-    /// Probability that the surface is there at all.
+    /// Probability that a ray meets the surface rather than passing through.
     pub opacity: f32,
-    /// Width of the microfacet distribution, the square of the roughness; zero means perfectly
-    /// smooth.
+    /// Width of the microfacet distribution, the square of the roughness; zero for a perfectly
+    /// smooth surface.
     pub alpha: f32,
     /// Index of refraction of the solid or coat.
     pub ior: f32,
-    /// Extinction per meter inside a solid or cloud.
+    /// Extinction coefficient inside a solid or medium, per meter.
     pub extinction: Vec3,
     /// Single-scattering albedo inside.
     pub albedo: Vec3,

@@ -1,4 +1,4 @@
-//! Instances, prepared for rays.
+//! Placements: instances prepared for ray queries, where small neighbours share a tree.
 
 use crate::{ElementKind, Elements, Instance, Scene, Shape, frame::Frame, shape_tree::ShapeTree};
 use glam::Affine3A;
@@ -6,29 +6,30 @@ use rayon::prelude::*;
 use rotund_bvh::TriangleTree;
 use rotund_geometry::{Aabb, Ray};
 
-/// One instance, prepared for rays; or several that stand where their shapes do, in one tree.
+/// An instance prepared for ray queries, or several small ones with identity frames in one tree.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {
-    /// The first, and its shape.
+    /// The first instance, and its shape.
     pub instance: u32,
     pub shape: u32,
     /// Index into [`Placements::trees`].
     pub tree: u32,
     pub frame: Frame,
-    /// Vanilla points and lines nearer than this to the start of a ray, in object space, are what it
-    /// has just left.
+    /// Vanilla points and lines nearer than this to the start of a ray, in object space, are taken
+    /// for the one that the ray has just left.
     ribbon_start: f32,
 }
 
-/// Instances of more triangles than this have but their own tree: one more beside it would take as much memory
-/// again, and save little.
+/// The most triangles of an instance that shares a tree. Larger ones only have the tree of their
+/// shape, since a copy would double the memory and save little time.
 const FEW: usize = 64;
 
-/// The instances, divided into those that share a tree, each part with the number of its first.
+/// Divides the instances into runs that share a tree, each with the index of its first instance.
 ///
-/// Neighbours do that are but a few triangles each and need no frame, as the walls of a room: most of what a
-/// ray costs is then spent once and not in each. Only triangles have one form whatever the method. Neighbours,
-/// so that of equal hits the first instance wins by the order of placements and of triangles in them.
+/// A run consists of consecutive instances of few triangles with identity frames, such as the walls
+/// of a room, so that a ray pays most of its cost once and not for each. Only triangles are the
+/// same primitive under either method. Runs are consecutive so that, of equal `t`, the first
+/// instance wins by the order of placements and of triangles in them.
 fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
     let small = |instance: &Instance| {
         let elements = &scene.shapes[instance.shape as usize].elements;
@@ -47,7 +48,7 @@ fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
 }
 
 impl Placement {
-    /// The ray in the space of the shape.
+    /// Transforms a ray to the space of the shape.
     #[inline]
     pub(crate) fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {
         let mut ray = self.frame.object_ray(ray);
@@ -58,19 +59,19 @@ impl Placement {
     }
 }
 
-/// The placements of a scene, what the tree over them is built of, and the trees that they refer to.
+/// The placements of a scene, their bounds, and the trees that they refer to.
 pub(crate) struct Placements {
     pub placements: Vec<Placement>,
     /// The bounds of each placement in world space.
     pub boxes: Vec<Aabb>,
-    /// One for each shape; then those that several instances share.
+    /// The tree of each shape, followed by those that several instances share.
     pub trees: Vec<ShapeTree>,
-    /// For each shared tree, how many elements are before those of each instance.
+    /// For each shared tree, the number of elements before those of each of its instances.
     pub shared: Vec<Vec<u32>>,
 }
 
 impl Placements {
-    /// `trees` are those of the shapes; the shared ones are added.
+    /// Prepares the instances. `trees` are those of the shapes; shared ones are added.
     pub(crate) fn new(scene: &Scene, mut trees: Vec<ShapeTree>) -> Self {
         let parts = parts(scene);
         let place = |&(instance, part): &(u32, &[Instance])| {
@@ -94,7 +95,8 @@ impl Placements {
     }
 }
 
-/// A tree over the triangles of all these instances, and how many are before those of each.
+/// Builds a tree over the triangles of all these instances, with the number of triangles before
+/// those of each.
 fn shared_tree(scene: &Scene, instances: &[Instance]) -> (TriangleTree, Vec<u32>) {
     let (mut triangles, mut starts) = (Vec::new(), Vec::new());
     for instance in instances {

@@ -1,4 +1,4 @@
-//! One element of a shape as the primitive that its method makes of it.
+//! Elements of shapes as geometric primitives, by the method of the shape.
 
 use crate::{Elements, Method, Shape};
 use glam::{Vec2, Vec3};
@@ -7,7 +7,7 @@ use rotund_geometry::{
     vanilla::{Line, Point, Quad},
 };
 
-/// What a ray meets, in object space.
+/// The primitive of an element, in object space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Primitive {
     Point(Point),
@@ -57,22 +57,22 @@ impl Shape {
         matches!(self.elements, Elements::Points(_) | Elements::Lines(_))
     }
 
-    /// True if its elements have no sides and stand where the ray meets them: vanilla points and lines.
+    /// Returns true for vanilla points and lines, which are ribbons that turn to the ray.
     pub(crate) fn is_ribbons(&self) -> bool {
         self.method == Method::Vanilla && self.is_round()
     }
 
-    /// The parameters of a hit of an element.
+    /// Returns the parameters of a hit of an element.
     pub(crate) fn uv(&self, element: u32, hit: &Hit) -> Vec2 {
         if self.method == Method::Enhanced && self.is_round() {
             self.primitive(element).uv(hit)
         } else {
-            // All others are hit at their parameters, so the vertices need not be fetched.
+            // The hit of all other primitives stores their parameters, so no vertices are fetched.
             hit.parameters
         }
     }
 
-    /// The primitive that an element is under the shape's method.
+    /// Returns the primitive of an element under the method of the shape.
     pub(crate) fn primitive(&self, element: u32) -> Primitive {
         let vanilla = self.method == Method::Vanilla;
         match &self.elements {
@@ -135,7 +135,7 @@ impl Shape {
         Quad { p0, p1, p2, p3 }
     }
 
-    /// A file goes around a quad, a patch counts its corners row by row.
+    /// Converts the order of files, around the quad, to that of patches, row by row.
     pub(crate) fn patch(&self, vertices: [u32; 4]) -> BilinearPatch {
         let [p00, p10, p11, p01] = vertices.map(|vertex| self.positions[vertex as usize]);
         BilinearPatch { p00, p10, p01, p11 }

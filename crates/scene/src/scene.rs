@@ -4,30 +4,30 @@ use crate::{Camera, ElementKind, Environment, Material, Method, Shape, Texture};
 use glam::{Affine3A, Vec3A};
 use rotund_geometry::Aabb;
 
-/// Plain data: everything is an array, and whatever refers to an element does it by index.
+/// Cameras, lights and surfaces in plain arrays that refer to each other by index.
 ///
-/// Scenes from [`crate::load`] are valid. [`Scene::validate`], which [`crate::Trees::build`] calls first,
-/// finds indices that are out of range and values that nothing can be made of; evaluation panics at such
-/// indices.
+/// Scenes from `load` are valid. [`Scene::validate`], which [`crate::Trees::build`] calls first,
+/// finds indices that are out of range and values outside of their domain. Evaluation at an index
+/// that is out of range panics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Views; a renderer is told which one by index.
+    /// Views of the scene; a renderer selects one by index.
     pub cameras: Vec<Camera>,
-    /// Light from infinitely far away; several add up.
+    /// Light from infinitely far away; the radiance of several is summed.
     pub environments: Vec<Environment>,
-    /// Images that materials and environments name.
+    /// Images that materials and environments refer to.
     pub textures: Vec<Texture>,
-    /// How surfaces look.
+    /// Surface appearances that instances refer to.
     pub materials: Vec<Material>,
     /// Geometry in object space.
     pub shapes: Vec<Shape>,
-    /// Shapes with a material, placed in the world.
+    /// Shapes with a material and a frame in the world.
     pub instances: Vec<Instance>,
 }
 
 impl Scene {
-    /// Adds a shape and a material, and an instance of both where the shape stands; gives the index of the
-    /// instance.
+    /// Adds a shape, a material, and an instance of both with the identity frame; returns the index
+    /// of the instance.
     ///
     /// ```
     /// use rotund_scene::{Material, Scene, Shape, geometry::glam::{Affine3A, Vec3}};
@@ -39,7 +39,7 @@ impl Scene {
     /// # assert_eq!(scene.validate(), Ok(()));
     /// ```
     pub fn add(&mut self, shape: Shape, material: Material) -> u32 {
-        // An index beyond `u32` asks for more memory than there is.
+        // More items than `u32` counts do not fit into memory.
         let index = |length: usize| length as u32;
         let instance = Instance::new(index(self.shapes.len()), index(self.materials.len()));
         self.shapes.push(shape);
@@ -48,7 +48,7 @@ impl Scene {
         index(self.instances.len() - 1)
     }
 
-    /// A box around all instances; [`Aabb::EMPTY`] if there are none.
+    /// Returns a box around all instances; [`Aabb::EMPTY`] if there are none.
     ///
     /// # Panics
     ///
@@ -58,7 +58,8 @@ impl Scene {
         self.instances.iter().map(|i| self.bounds_of(i)).fold(Aabb::EMPTY, Aabb::union)
     }
 
-    /// A box around an instance, in world space: around its vertices, and its largest radius wider.
+    /// Returns a box around an instance in world space: the bounds of its vertices, padded by the
+    /// largest radius.
     ///
     /// # Panics
     ///
@@ -79,7 +80,8 @@ impl Scene {
         Aabb { min: min - radius, max: max + radius }
     }
 
-    /// Sets the method of every shape whose elements are of this kind. Trees stay valid.
+    /// Sets the method of every shape whose elements are of this kind. Trees over the scene stay
+    /// valid.
     pub fn set_method(&mut self, kind: ElementKind, method: Method) {
         for shape in self.shapes.iter_mut().filter(|shape| shape.elements.kind() == kind) {
             shape.method = method;
@@ -88,9 +90,10 @@ impl Scene {
 
     /// Moves the frames of cameras and instances so that `origin` becomes the origin of the world.
     ///
-    /// Positions have 24 bits: 10 km from the origin they are multiples of a millimeter, and so is what
-    /// rays keep clear of. A scene that is far away is traced with more digits if it is brought near
-    /// first. The subtraction is exact for frames within half their distance from `origin`.
+    /// Positions have 24 bits: 10 km from the origin they are multiples of a millimeter, and so are
+    /// the error bounds by which rays leave surfaces. A scene that is far from the origin is traced
+    /// more accurately if it is recentered first. The subtraction is exact for frames within half
+    /// their distance from `origin`.
     pub fn recenter(&mut self, origin: Vec3A) {
         for camera in &mut self.cameras {
             camera.world_from_camera.translation -= origin;
@@ -101,12 +104,12 @@ impl Scene {
     }
 }
 
-/// One placement of a shape.
+/// A shape with a material, placed in the world by a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Instance {
-    /// For messages.
+    /// Name for messages; may be empty.
     pub name: String,
-    /// Any invertible affine map: mirrored, scaled and sheared frames are allowed.
+    /// Any invertible affine map; mirrored, scaled and sheared frames are allowed.
     pub world_from_object: Affine3A,
     /// Index into [`Scene::shapes`].
     pub shape: u32,
@@ -115,7 +118,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// An instance of these indices whose shape stays where it stands.
+    /// Creates an instance of a shape and a material by their indices, with the identity frame.
     #[must_use]
     pub fn new(shape: u32, material: u32) -> Self {
         Self { shape, material, ..Self::default() }

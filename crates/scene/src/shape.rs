@@ -32,9 +32,9 @@ impl fmt::Display for ElementKind {
 /// Vertex indices of each element; a shape has elements of one kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Elements {
-    /// How many: point `i` is vertex `i`, so that a cloud stores no indices.
+    /// The number of points: point `i` is vertex `i`, so that point clouds store no indices.
     Points(u32),
-    /// From the first vertex to the second.
+    /// The first and the second end.
     Lines(Vec<[u32; 2]>),
     /// Three corners, counter-clockwise seen from the front.
     Triangles(Vec<[u32; 3]>),
@@ -50,7 +50,7 @@ impl Default for Elements {
 }
 
 impl Elements {
-    /// Which kind.
+    /// Returns the kind of the elements.
     #[must_use]
     pub fn kind(&self) -> ElementKind {
         match self {
@@ -61,7 +61,7 @@ impl Elements {
         }
     }
 
-    /// How many.
+    /// Returns the number of elements.
     #[must_use]
     pub fn count(&self) -> usize {
         match self {
@@ -75,8 +75,9 @@ impl Elements {
 
 /// Geometry in object space. An array of vertex data is empty or as long as `positions`.
 ///
-/// [`Shape::points`], [`Shape::lines`], [`Shape::triangles`] and [`Shape::quads`] make one of positions
-/// and elements; name, normals, texture coordinates and colours are set afterwards:
+/// [`Shape::points`], [`Shape::lines`], [`Shape::triangles`] and [`Shape::quads`] create a shape
+/// from positions and elements. Struct update syntax adds a name, normals, texture coordinates or
+/// colours:
 ///
 /// ```
 /// use rotund_scene::{Shape, geometry::glam::{Vec3, Vec4}};
@@ -86,26 +87,28 @@ impl Elements {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
-    /// For messages.
+    /// Name for messages; may be empty.
     pub name: String,
-    /// How its elements are met by rays.
+    /// Exact shapes or the usual approximations.
     pub method: Method,
-    /// Which vertices make an element.
+    /// Vertex indices of each element.
     pub elements: Elements,
-    /// Meters.
+    /// Vertex positions in meters.
     pub positions: Vec<Vec3>,
-    /// Unit length; tangents along the line for lines.
+    /// Normals of triangles and quads, tangents of lines; normalized on use, and zero for a vertex
+    /// without one.
     pub normals: Vec<Vec3>,
-    /// `v` runs down the image.
+    /// Texture coordinates; `v` runs down the image.
     pub texcoords: Vec<Vec2>,
-    /// Linear red, green, blue and opacity: they scale colour, emission and opacity.
+    /// Linear red, green, blue and opacity. They scale colour, emission and opacity of the
+    /// material.
     pub colors: Vec<Vec4>,
-    /// Of points and lines, in meters; never empty for them.
+    /// Radii in meters, required for points and lines.
     pub radii: Vec<f32>,
 }
 
-/// The radii of points or lines: converted from one `f32` for all, or from an array, slice or `Vec` with
-/// one for each position.
+/// Radii of points or lines, converted from one `f32` for all positions, or from an array, slice or
+/// `Vec` with one for each position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Radii {
     /// The same radius at each position.
@@ -148,22 +151,23 @@ impl Radii {
 }
 
 impl Shape {
-    /// A point at each position: a sphere, or with [`Method::Vanilla`] a disc that faces the ray.
+    /// Creates a point at each position: a sphere, or with [`Method::Vanilla`] a disc that faces
+    /// the ray.
     ///
-    /// `radii` are one number for all, or one for each position. This and the other constructors check
-    /// nothing: [`crate::Scene::validate`], and so [`crate::Trees::build`], tells which value is wrong.
+    /// `radii` is one number for all positions, or one for each. The constructors check nothing:
+    /// [`crate::Scene::validate`], and so [`crate::Trees::build`], reports which value is wrong.
     #[must_use]
     pub fn points(positions: impl Into<Vec<Vec3>>, radii: impl Into<Radii>) -> Self {
         let positions = positions.into();
-        // More points than `u32` counts are more than positions, or than a tree holds: an error later.
+        // Validation refuses this many points, since no tree holds them.
         let elements = Elements::Points(u32::try_from(positions.len()).unwrap_or(u32::MAX));
         Self { radii: radii.into().of(&positions), elements, positions, ..Self::default() }
     }
 
-    /// Lines between pairs of positions: rounded cones, or with [`Method::Vanilla`] ribbons that face the
-    /// ray. A polyline or strand names each inner position twice, as in `[[0, 1], [1, 2]]`.
+    /// Creates lines between pairs of positions: rounded cones, or with [`Method::Vanilla`] ribbons
+    /// that face the ray. A strand or polyline of three positions is `[[0, 1], [1, 2]]`.
     ///
-    /// `radii` are one number for all, or one for each position.
+    /// `radii` is one number for all positions, or one for each.
     #[must_use]
     pub fn lines(
         positions: impl Into<Vec<Vec3>>,
@@ -174,22 +178,22 @@ impl Shape {
         Self { radii: radii.into().of(&positions), elements, positions, ..Self::default() }
     }
 
-    /// Triangles of three positions each, counter-clockwise seen from the front.
+    /// Creates triangles of three positions each, counter-clockwise seen from the front.
     #[must_use]
     pub fn triangles(positions: impl Into<Vec<Vec3>>, triangles: impl Into<Vec<[u32; 3]>>) -> Self {
         let (positions, elements) = (positions.into(), Elements::Triangles(triangles.into()));
         Self { elements, positions, ..Self::default() }
     }
 
-    /// Quads of four positions each, in order around the quad, counter-clockwise seen from the front:
-    /// bilinear patches, or with [`Method::Vanilla`] pairs of triangles.
+    /// Creates quads of four positions each, in order around the quad, counter-clockwise seen from
+    /// the front: bilinear patches, or with [`Method::Vanilla`] pairs of triangles.
     #[must_use]
     pub fn quads(positions: impl Into<Vec<Vec3>>, quads: impl Into<Vec<[u32; 4]>>) -> Self {
         let (positions, elements) = (positions.into(), Elements::Quads(quads.into()));
         Self { elements, positions, ..Self::default() }
     }
 
-    /// Memory of all arrays.
+    /// Returns the size of all arrays in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let elements = match &self.elements {

@@ -27,7 +27,7 @@ impl ShapeTree {
         }
     }
 
-    /// Follows a shape that has as many elements of the same kind as the tree was built of.
+    /// Refits the tree to a shape with as many elements as the one it was built from.
     pub(crate) fn refit(&mut self, shape: &Shape) {
         let refitted = match (&mut *self, &shape.elements) {
             (Self::Points(tree), Elements::Points(count)) => tree.refit(&spheres(shape, *count)),
@@ -36,11 +36,11 @@ impl ShapeTree {
                 tree.refit(&self::triangles(shape, triangles))
             }
             (Self::Quads(tree), Elements::Quads(quads)) => tree.refit(&patches(shape, quads)),
-            // Another kind: a new tree is right here as well.
+            // Elements of another kind need a new tree.
             _ => return *self = Self::build(shape).with_isa(self.isa()),
         };
-        // An element became too large for `f32` to bound it, or is not any more: rare enough to pay for a
-        // new tree.
+        // An element whose bounds overflow `f32` is not in the tree. If it came or went, build a
+        // new tree, since that is rare.
         if refitted.is_err() {
             *self = Self::build(shape).with_isa(self.isa());
         }

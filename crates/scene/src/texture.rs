@@ -1,19 +1,19 @@
-//! Images on surfaces.
+//! Textures: images that are repeated over the plane and filtered bilinearly.
 
 use crate::{SceneError, tiles::Tiles};
 use glam::{Vec2, Vec3, Vec4};
 use rotund_image::linear_from_srgb_table;
 
-/// An image of RGBA pixels, row 0 at `v = 0`, repeated over the plane.
+/// An image of RGBA pixels with row 0 at `v = 0`, repeated over the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// For messages.
+    /// Name for messages; may be empty.
     pub name: String,
-    /// Pixels in a row.
+    /// Pixels in a row, at least one.
     pub width: u32,
-    /// Rows.
+    /// Number of rows, at least one.
     pub height: u32,
-    /// Row by row, or in tiles.
+    /// The pixels, row by row from the top or in tiles.
     pub pixels: Pixels,
 }
 
@@ -25,22 +25,24 @@ impl Default for Texture {
     }
 }
 
-/// The kinds of pixels in files, as they come and as they are stored once they are loaded.
+/// Formats of pixels. `load` and [`Texture::from_rgba8`] convert rows to tiles where that saves
+/// memory or cache misses.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
-    /// 8 bits a channel: sRGB where a colour is meant, else read as it is.
+    /// 8 bits a channel: sRGB where the texture is a colour, and linear where it is data.
     Bytes(Vec<[u8; 4]>),
-    /// Linear.
+    /// Linear channels.
     Floats(Vec<[f32; 4]>),
-    /// As [`Self::Bytes`].
+    /// The format of [`Self::Bytes`], in tiles.
     TiledBytes(Tiles),
-    /// Linear and opaque, as Radiance HDR files hold them: the channels are `r g b` times `2^(e - 136)`. A
-    /// quarter of the memory of floats, so that more of a sky stays near the processor.
+    /// Linear and opaque, in the format of Radiance HDR files: the channels are `r g b` times `2^(e
+    /// - 136)`. They take a quarter of the memory of floats, so that more of an environment fits
+    /// into the caches.
     SharedExponent(Tiles),
 }
 
 impl Pixels {
-    /// The same numbers, to the bit, in less memory or in the order in which they are read.
+    /// Converts to tiles, without a change of any value, where that saves memory or cache misses.
     pub(crate) fn packed(self, width: u32) -> Self {
         let width = width as usize;
         let tiled = match &self {
@@ -55,12 +57,13 @@ impl Pixels {
     }
 }
 
-/// A pixel of [`Pixels::SharedExponent`], if it holds these numbers exactly.
+/// Returns the pixel of [`Pixels::SharedExponent`] that represents these numbers exactly, if there
+/// is one.
 fn shared_exponent(pixel @ [r, g, b, _]: [f32; 4]) -> Option<[u8; 4]> {
     let largest = r.max(g).max(b);
-    // The largest channel becomes 128 to 255. A number of 2^k and more has an exponent field of k + 127.
+    // The largest mantissa is 128 to 255. A number from 2^k up has an exponent field of k + 127.
     let exponent = if largest == 0.0 { 0 } else { (largest.to_bits() >> 23) + 2 };
-    // Numbers so large that the decoder would make an infinity of them, or negative ones, do not fit.
+    // Negative numbers do not fit, nor do those that the decoder would scale to infinity.
     let exponent = u8::try_from(exponent).ok().filter(|&e| e < u8::MAX)?;
     let steps = (136.0 - f64::from(exponent)).exp2();
     let [r, g, b] = [r, g, b].map(|channel| (f64::from(channel) * steps) as u8);
@@ -70,15 +73,16 @@ fn shared_exponent(pixel @ [r, g, b, _]: [f32; 4]) -> Option<[u8; 4]> {
 }
 
 fn unpacked([r, g, b, exponent]: [u8; 4]) -> Vec4 {
-    // 2^(e - 127), then the rest; a field of 0 is the number 0, as it should be.
+    // 2^(e - 127) by its bits, then the remaining factor. An exponent field of 0 gives the number
+    // 0.
     let scale = f32::from_bits(u32::from(exponent) << 23) * (1.0 / 512.0);
     (Vec3::new(f32::from(r), f32::from(g), f32::from(b)) * scale).extend(1.0)
 }
 
 impl Texture {
-    /// A texture of 8 bits a channel: red, green, blue and alpha of each pixel, row by row from the
-    /// top. Red, green and blue are sRGB where the texture is a colour; alpha is linear and not
-    /// premultiplied.
+    /// Creates a texture of 8 bits a channel from red, green, blue and alpha of each pixel, row by
+    /// row from the top. Red, green and blue are sRGB where the texture is a colour; alpha is
+    /// linear and not premultiplied.
     ///
     /// # Errors
     ///
@@ -93,11 +97,16 @@ impl Texture {
         Ok(Self { name: String::new(), width, height, pixels })
     }
 
-    /// The linear colour and the opacity at `uv`: bytes are sRGB.
+    /// Returns linear colour and opacity at `uv`, with bytes decoded from sRGB.
     ///
-    /// Bilinear between the four nearest pixels; pixel `i` stands at `uv = i / size`, without a shift
-    /// of half a pixel. A coordinate that is not finite reads row or column 0, an image without
-    /// pixels is white.
+    /// The filter is bilinear between the four nearest pixels. Pixel `i` is centred at `uv = i /
+    /// size`, without the usual shift by half a pixel, as in yocto-gl. A coordinate that is not
+    /// finite reads row or column 0; an image without pixels is white.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer pixels than width and height say, which [`crate::Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn color(&self, uv: Vec2) -> Vec4 {
         match &self.pixels {
@@ -113,7 +122,8 @@ impl Texture {
         }
     }
 
-    /// The numbers at `uv`: bytes are divided by 255 and nothing else. Filtered as [`Self::color`].
+    /// Returns the channels at `uv` as data: bytes are divided by 255 and not decoded from sRGB.
+    /// The filter and the panics are those of [`Self::color`].
     #[must_use]
     pub fn data(&self, uv: Vec2) -> Vec4 {
         let width = self.width as usize;
@@ -127,7 +137,7 @@ impl Texture {
         }
     }
 
-    /// The linear colour of one pixel, `x < width` and `y < height`.
+    /// Returns the linear colour of one pixel, `x < width` and `y < height`.
     ///
     /// # Panics
     ///
@@ -145,7 +155,7 @@ impl Texture {
         }
     }
 
-    /// True if the alpha of every pixel is 1 or more.
+    /// Returns true if the alpha of every pixel is at least 1.
     #[must_use]
     pub fn is_opaque(&self) -> bool {
         match &self.pixels {
@@ -156,7 +166,7 @@ impl Texture {
         }
     }
 
-    /// `at` gives the pixel of a column and a row.
+    /// Filters bilinearly; `at` returns the pixel of a column and a row.
     #[inline]
     fn filtered(&self, uv: Vec2, at: impl Fn(usize, usize) -> Vec4) -> Vec4 {
         if self.width == 0 || self.height == 0 {
@@ -171,24 +181,24 @@ impl Texture {
     }
 }
 
-/// A pixel of bytes as numbers.
+/// Converts a pixel of bytes to data.
 #[inline]
 fn shares(pixel: [u8; 4]) -> Vec4 {
     Vec4::from_array(pixel.map(|byte| f32::from(byte) / 255.0))
 }
 
-/// A pixel of bytes as a colour.
+/// Converts a pixel of bytes to a linear colour.
 #[inline]
 fn linear_color(linear: &[f32; 256], [r, g, b, a]: [u8; 4]) -> Vec4 {
     let [r, g, b] = [r, g, b].map(|byte| linear[usize::from(byte)]);
     Vec4::new(r, g, b, f32::from(a) / 255.0)
 }
 
-/// The two pixels around a coordinate, and how far it is on the way from the first to the second.
+/// Returns the two pixels around a coordinate, and the weight of the second.
 #[inline]
 fn neighbours(coordinate: f32, size: u32) -> (usize, usize, f32) {
     let place = (coordinate - coordinate.floor()) * size as f32;
-    // A NaN becomes 0 here; a fraction that rounds up to 1 stays in the last pixel.
+    // The cast turns a NaN into 0, and a fraction that rounds up to 1 stays in the last pixel.
     let first = (place as u32).min(size - 1);
     let fraction = place - first as f32;
     let second = if first + 1 < size { first + 1 } else { 0 };

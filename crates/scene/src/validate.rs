@@ -1,4 +1,4 @@
-//! Checks of scenes, so that trees, evaluation and rendering can rely on them.
+//! Validation of scenes: trees, evaluation and rendering rely on what it checks.
 
 use crate::{
     Camera, ElementKind, Elements, Environment, Instance, Material, Pixels, Scene, SceneError,
@@ -9,24 +9,27 @@ use rayon::prelude::*;
 use rotund_bvh::MAX_PRIMITIVES;
 
 impl Scene {
-    /// Checks all that rays, evaluation and rendering rely on; [`crate::Trees::build`] does so first.
+    /// Checks everything that ray queries, evaluation and rendering rely on.
+    /// [`crate::Trees::build`] calls it first.
     ///
     /// - Indices are in range: of vertices in elements, of shapes and materials in instances, of
     ///   textures in materials and environments.
-    /// - Normals, texture coordinates, colours and radii are absent or one for each position. Points
-    ///   and lines have radii. There are no more points than positions.
-    /// - Numbers are finite. Radii, colours, emission and scattering are not negative. Roughness and
-    ///   opacity are between 0 and 1, scattering anisotropies strictly between -1 and 1. Indices of
-    ///   refraction, transmission depths, and the lens, film, aspect and focus of cameras are positive.
+    /// - Normals, texture coordinates, colours and radii are absent or one for each position.
+    ///   Points and lines have radii. There are no more points than positions.
+    /// - Numbers are finite. Radii, colours, emission and scattering are not negative. Roughness
+    ///   and opacity are between 0 and 1, scattering anisotropies strictly between -1 and 1.
+    ///   Indices of refraction, transmission depths, and the lens, film, aspect and focus of
+    ///   cameras are positive.
     /// - Frames have inverses.
     /// - Textures have as many pixels as their size says, and at least one.
     ///
-    /// It reads every array once, on all threads of the current rayon pool: some 20 milliseconds for
-    /// ten million points, a few percent of the time that their tree takes.
+    /// It reads every array once, on all threads of the current rayon pool: tens of milliseconds
+    /// for ten million points, a few percent of the time that their tree takes.
     ///
     /// # Errors
     ///
-    /// The first mistake in the order of the fields of [`Scene`], whatever the number of threads.
+    /// Reports the first mistake in the order of the fields of [`Scene`], whatever the number of
+    /// threads.
     pub fn validate(&self) -> Result<(), SceneError> {
         first_error(&self.cameras, camera)?;
         first_error(&self.environments, |i, environment| self.environment(i, environment))?;
@@ -84,7 +87,7 @@ pub(crate) fn item(array: &'static str, index: usize, name: &str) -> SceneItem {
     SceneItem { array, index, name: name.to_owned() }
 }
 
-/// The error of the first item that has one.
+/// Returns the error of the first item that has one.
 fn first_error<T: Sync>(
     items: &[T],
     check: impl Fn(usize, &T) -> Result<(), SceneError> + Sync,
@@ -277,7 +280,7 @@ fn frame(
     Err(SceneError::Value { item: item(), field, value, expected })
 }
 
-/// True if `f32` can hold the frame and its inverse.
+/// Returns true if the frame and its inverse are finite in `f32`.
 pub(crate) fn is_invertible(frame: &Affine3A) -> bool {
     let determinant = frame.matrix3.determinant();
     frame.is_finite() && determinant != 0.0 && frame.inverse().is_finite()
@@ -295,22 +298,22 @@ pub(crate) fn is_color(color: &Vec4) -> bool {
     color.is_finite() & color.cmpge(Vec4::ZERO).all()
 }
 
-/// As in `(0.5, NaN, 1)`.
+/// Prints numbers as in `(0.5, NaN, 1)`.
 pub(crate) fn listed(numbers: &[f32]) -> String {
     let numbers: Vec<_> = numbers.iter().map(f32::to_string).collect();
     format!("({})", numbers.join(", "))
 }
 
-/// The index of the first value that is bad.
+/// Returns the index of the first bad value.
 pub(crate) fn first<T: Sync>(values: &[T], bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
     const BLOCK: usize = 1 << 12;
-    // Nearly always there is none: one branch for a whole block is faster than one for each value.
+    // Almost always there is none: one branch for a whole block is faster than one for each value.
     let any = |block: &[T]| block.iter().fold(false, |any, value| any | bad(value));
     let block = values.par_chunks(BLOCK).position_first(any)? * BLOCK;
     values[block..].iter().position(&bad).map(|i| block + i)
 }
 
-/// The first element that names a vertex beyond `count`, and that vertex.
+/// Returns the first element that names a vertex not below `count`, and that vertex.
 pub(crate) fn first_outside<const N: usize>(
     elements: &[[u32; N]],
     count: usize,

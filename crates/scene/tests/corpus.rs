@@ -1,5 +1,5 @@
-//! Malformed files, kept from fuzzing and made by spoiling good ones in ways that do not depend on chance:
-//! nothing may panic, hang, or load with an index out of range.
+//! Malformed files, from fuzzing and from deterministic corruption of valid ones: nothing may
+//! panic, hang, or load with an index out of range.
 
 mod support;
 
@@ -36,7 +36,7 @@ const SCENE: &[u8] = br#"{ "asset": { "version": "4.2" }, "cameras": [{ "lookat"
         "size": [1, 1], "radius": [0.1, 0.2] } } }],
     "instances": [{ "shape": 0, "material": 0, "frame": [1,0,0, 0,1,0, 0,0,1, 0,0,0] }] }"#;
 
-/// Cut, overwritten, doubled and joined.
+/// Returns a corrupted copy: cut, overwritten, duplicated or joined.
 fn spoiled(good: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = good.to_vec();
     for _ in 0..1 + (random.unit() * 4.0) as usize {
@@ -50,7 +50,7 @@ fn spoiled(good: &[u8], random: &mut Random) -> Vec<u8> {
                 bytes.splice(at..at, piece);
             }
             3 => drop(bytes.drain(at..until)),
-            // Digits make counts, indices and signs.
+            // Digits change counts, indices and signs.
             4 => bytes[at] = b"0123456789-.e"[(random.unit() * 13.0) as usize],
             _ => bytes.splice(at..at, *b"999999999").for_each(drop),
         }
@@ -62,7 +62,7 @@ fn spoiled(good: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 #[test]
-fn spoiled_files_are_refused_or_load_whole() {
+fn corrupted_files_are_refused_or_load_as_valid_scenes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let binary = binary();
     let (mut refused, mut loaded) = (0, 0);
@@ -92,7 +92,7 @@ fn spoiled_files_are_refused_or_load_whole() {
 }
 
 #[test]
-fn what_fuzzing_found_is_refused_or_loads_whole() {
+fn inputs_found_by_fuzzing_are_refused_or_load_as_valid_scenes() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
     for target in ["ply", "obj", "scene", "texture"] {
         let folder = tempfile::tempdir().expect("a temporary folder");

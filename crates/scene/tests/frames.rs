@@ -9,10 +9,11 @@ use rotund_geometry::{
 use rotund_scene::{MaterialKind, Method, Route, Scene, SceneHit, Trees};
 use support::{Random, frames, ray_at, scene_of, shapes};
 
-/// Of elements.
+/// Size of elements.
 const SIZE: f32 = 0.5;
 
-/// Each kind under each method with each frame: why, scene, trees.
+/// Each kind of element under each method with each frame: a description, the frame, scene and
+/// trees.
 fn cases(count: u32) -> Vec<(String, Affine3A, Scene, Trees)> {
     let mut random = Random(7);
     let mut cases = Vec::new();
@@ -21,7 +22,7 @@ fn cases(count: u32) -> Vec<(String, Affine3A, Scene, Trees)> {
             let mut scene = scene_of(shape, frame, MaterialKind::Matte);
             let trees = Trees::build(&scene).expect("the scene is valid");
             for method in [Method::Vanilla, Method::Enhanced] {
-                // The same trees serve both.
+                // The same trees serve both methods.
                 scene.shapes[0].method = method;
                 let kind = scene.shapes[0].elements.kind();
                 let name = format!("{why}, {kind:?}, {method:?}");
@@ -39,7 +40,7 @@ fn is_ribbon(scene: &Scene) -> bool {
 }
 
 #[test]
-fn a_ray_that_leaves_a_lone_element_never_meets_it_again_if_it_is_convex() {
+fn a_ray_spawned_on_a_convex_element_never_meets_it_again() {
     let mut random = Random(11);
     let mut left = 0;
     let routes = |(name, _, scene, trees): (String, Affine3A, Scene, Trees)| {
@@ -50,7 +51,7 @@ fn a_ray_that_leaves_a_lone_element_never_meets_it_again_if_it_is_convex() {
     for (name, scene, trees) in cases(1).into_iter().flat_map(routes) {
         let patch = matches!(scene.shapes[0].elements.kind(), rotund_scene::ElementKind::Quads);
         if patch {
-            // May be met again, for it may be hollow.
+            // A concave patch may be met again.
             continue;
         }
         for _ in 0..400 {
@@ -103,13 +104,13 @@ fn a_ray_that_enters_a_round_solid_leaves_it_at_the_far_side() {
     assert!(crossed > 2_000, "only {crossed} rays crossed a solid");
 }
 
-/// How far a point rebuilt from `uv` may be from the hit beyond the hit's own error, per unit of the size of
-/// the element in the world and of its distance from the origin: `uv` and the way to the world are
-/// rounded. The crate's page states it.
+/// Bound on the distance of a point rebuilt from `uv` from the hit beyond the error of the hit, per
+/// unit of the size of the element in the world and of its distance from the origin, since `uv` and
+/// the transform are rounded. The documentation of the crate states it.
 const ROUND_TRIP: f32 = 2.0 * f32::EPSILON;
 
-/// Between the normals, in radians. The worst is 1.1e-5, of a cone that a frame flattens fifty-fold; without
-/// a frame it is 1e-6.
+/// Bound on the angle between the normals in radians. The worst is 1.1e-5, on a cone that a frame
+/// flattens fifty-fold; without a frame it is 1e-6.
 const NORMAL_ROUND_TRIP: f64 = 2e-5;
 
 #[test]
@@ -121,7 +122,7 @@ fn position_and_normal_rebuilt_from_uv_are_those_of_the_hit() {
     assert!(compared > 1_000_000, "only {compared} hits");
 }
 
-/// How many hits were compared.
+/// Compares carried and rebuilt hits; returns their number.
 fn round_trip(seed: usize, (name, frame, scene, trees): &(String, Affine3A, Scene, Trees)) -> u32 {
     let mut random = Random(17 + seed as u64);
     let mut compared = 0;
@@ -147,7 +148,7 @@ fn round_trip(seed: usize, (name, frame, scene, trees): &(String, Affine3A, Scen
 }
 
 #[test]
-fn a_rebuilt_hit_is_the_point_and_the_normal_that_its_uv_name() {
+fn a_rebuilt_hit_has_the_position_and_normal_of_its_uv() {
     let mut random = Random(31);
     for (name, _, scene, trees) in cases(20) {
         let rebuilt = trees.clone().with_route(Route::Rebuilt);
@@ -186,7 +187,7 @@ fn t_counts_in_the_direction_given_whatever_the_frame() {
             let Some(hit) = trees.closest(&scene, &ray) else { continue };
             let bound =
                 hit.error + 64.0 * f32::EPSILON * (ray.origin.length() + hit.position.length());
-            // Where the ray grazes, `t` is worse than the position.
+            // At grazing rays `t` is less accurate than the position.
             let cosine = hit.normal.dot(ray.direction.normalize()).abs();
             let distance = ray.at(hit.t).distance(hit.position);
             assert!(distance * cosine.max(0.01) <= 4.0 * bound, "{name}: {distance}, {hit:?}");

@@ -1,4 +1,4 @@
-//! The scenes of the repository, and the shapes they are made of.
+//! The scenes of the repository and their generated shapes.
 
 use rotund_geometry::{
     Aabb,
@@ -28,7 +28,7 @@ fn every_scene_has_the_cameras_and_lights_of_the_family() {
                 "{name} has the camera {camera}"
             );
         }
-        // Small lights through glass are all fireflies: those of that scene are larger and dimmer.
+        // Small lights behind glass cause fireflies, so those of that scene are larger and dimmer.
         let radiance = Vec3::splat(if name == "glass" { 5.0 } else { 20.0 });
         let lights = scene.materials.iter().filter(|m| m.emission == radiance).count();
         assert_eq!((lights, scene.environments.len()), (2, 1), "{name}");
@@ -36,7 +36,7 @@ fn every_scene_has_the_cameras_and_lights_of_the_family() {
 }
 
 #[test]
-fn surfaces_have_the_size_and_the_number_of_quads_they_say() {
+fn surfaces_have_the_size_and_number_of_quads_of_their_parameters() {
     let (first, fourth) = (scene("shapes1"), scene("shapes4"));
     let table = [
         // scene, shape, elements, vertices, largest coordinates
@@ -66,9 +66,10 @@ fn surfaces_have_the_size_and_the_number_of_quads_they_say() {
 }
 
 #[test]
-fn quads_turn_the_way_their_normals_point() {
+fn quads_are_oriented_as_their_normals() {
     let scene = scene("shapes1");
-    // The uv sphere does not: its quads turn as those of yocto-gl's file do, its normals point out.
+    // The uv sphere is an exception: its quads have the orientation of yocto-gl's file, its normals
+    // point out.
     for name in ["floor", "sphere", "disk", "uvcylinder", "cube"] {
         let shape = shape(&scene, name);
         let Elements::Quads(quads) = &shape.elements else { panic!("{name} has quads") };

@@ -1,4 +1,4 @@
-//! Scenes that are in memory load as those in files do.
+//! Scenes load from memory as they do from files.
 
 use rotund_scene::{LoadOptions, LoadProblem, load, load_bytes};
 use std::{borrow::Cow, fs, path::Path};
@@ -7,7 +7,7 @@ const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
 
 #[test]
 fn scenes_load_from_memory_as_from_files() {
-    // With PLY shapes, with generators alone, and a shape by itself.
+    // A scene with PLY shapes, one of generators alone, and a single PLY file.
     let names = ["patches.json", "shapes4.json"];
     let lone = fs::read_dir(format!("{SCENES}/patches")).expect("its shapes").flatten().next();
     let lone = lone.expect("at least one").file_name();
@@ -26,7 +26,7 @@ fn scenes_load_from_memory_as_from_files() {
 }
 
 #[test]
-fn paths_are_those_beside_the_scene() {
+fn paths_are_relative_to_the_folder_of_the_scene() {
     let json = br#"{ "shapes": [{ "uri": "shapes/a.ply" }, { "name": "b" }],
         "instances": [{ "shape": "c", "material": 0 }], "materials": [{}] }"#;
     let ply: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n\
@@ -48,7 +48,7 @@ fn paths_are_those_beside_the_scene() {
 }
 
 #[test]
-fn what_is_not_in_memory_is_told() {
+fn missing_files_are_reported() {
     let load = |name: &str, json: &str| {
         load_bytes(name, json.as_bytes(), &|_| None, &LoadOptions::default()).expect_err(json)
     };

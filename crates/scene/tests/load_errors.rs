@@ -1,10 +1,10 @@
-//! Every kind of bad input has a sentence that names the file and what is wrong in it.
+//! The message for every kind of invalid input names the file and the problem.
 
 use rotund_scene::{LoadOptions, load};
 use std::{fs, path::Path};
 use tempfile::TempDir;
 
-/// A folder with a scene of one triangle, whose parts a case replaces.
+/// A folder with a scene of one triangle, parts of which each case replaces.
 struct Folder(TempDir);
 
 const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
@@ -34,7 +34,7 @@ impl Folder {
         self.0.path()
     }
 
-    /// What loading says.
+    /// Returns the message of the error of loading.
     fn error(&self, options: &LoadOptions) -> String {
         load(self.path().join("scene.json"), options).expect_err("refused").to_string()
     }
@@ -48,7 +48,7 @@ fn assert_names(why: &str, message: &str, parts: &[&str]) {
 }
 
 #[test]
-fn the_scene_that_the_cases_spoil_loads() {
+fn the_scene_before_replacements_loads() {
     let folder = Folder::new();
     let loaded = load(folder.path().join("scene.json"), &LoadOptions::default());
     let loaded = loaded.expect("a good scene");
@@ -194,7 +194,7 @@ fn bad_scenes() {
     }
 }
 
-/// A PLY with these lines between `format` and the data, and the data.
+/// Returns a PLY file with these lines of the header and this data.
 fn ply(header: &[&str], data: &str) -> String {
     format!("ply\nformat ascii 1.0\n{}\nend_header\n{data}", header.join("\n"))
 }
@@ -340,7 +340,7 @@ fn a_file_cut_anywhere_is_refused_without_a_panic() {
 }
 
 #[test]
-fn a_scene_may_lead_out_of_its_folder_only_if_allowed() {
+fn files_outside_the_folder_are_refused_unless_allowed() {
     let outer = Folder::new();
     fs::create_dir(outer.path().join("inner")).expect("a folder");
     let path = outer.path().join("inner/scene.json");
@@ -362,12 +362,12 @@ fn a_link_out_of_the_folder_is_followed_only_if_allowed() {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_is_refused_and_not_waited_for() {
+fn a_pipe_is_refused_without_waiting() {
     let folder = Folder::new();
     let pipe = folder.path().join("pipe.ply");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
     if !made.is_ok_and(|status| status.success()) {
-        // Without the tool there is nothing to test with.
+        // Skip the test on systems without the tool.
         return;
     }
     folder.write("scene.json", scene("pipe.ply", ""));
@@ -399,7 +399,7 @@ fn a_bad_texture_is_white_if_asked_to_keep_going() {
 }
 
 #[test]
-fn unknown_fields_are_told_once_each() {
+fn each_unknown_field_is_one_warning() {
     let folder = Folder::new();
     folder.write(
         "scene.json",

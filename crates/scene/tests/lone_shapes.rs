@@ -1,9 +1,9 @@
-//! Shapes without a scene file, and PLY in all its forms.
+//! Shapes without a scene file, and all encodings of PLY.
 
 use rotund_geometry::glam::{Vec2, Vec3, Vec4, vec2, vec3};
 use rotund_scene::{Elements, LoadOptions, Loaded, Shape, Trees, load};
 
-/// The shape that these bytes are, and the scene around it.
+/// Loads these bytes as a PLY file by itself.
 fn loaded(bytes: &[u8], options: &LoadOptions) -> Loaded {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("thing.ply");
@@ -36,7 +36,11 @@ fn any_order_and_type_of_properties_means_the_same_in_every_encoding() {
         let mut bytes = format!("ply\nformat {name} 1.0\n{header}\nend_header\n").into_bytes();
         macro_rules! put {
             ($($value:expr),*) => {
-                $(bytes.extend(if big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() });)*
+                $(bytes.extend(if big {
+                    $value.to_be_bytes().to_vec()
+                } else {
+                    $value.to_le_bytes().to_vec()
+                });)*
             };
         }
         put!(
@@ -52,9 +56,9 @@ fn any_order_and_type_of_properties_means_the_same_in_every_encoding() {
         assert_eq!(shape.positions, [vec3(1.0, 2.0, 3.0), vec3(-4.0, 5.0, 6.0)]);
         assert_eq!(shape.elements, Elements::Lines(vec![[1, 0]]));
         assert_eq!(shape.radii, [0.5, 0.125]);
-        // In a file v runs up.
+        // In PLY files v runs up.
         assert_eq!(shape.texcoords, [vec2(0.25, 0.25), vec2(0.5, 0.0)]);
-        // Bytes are sRGB.
+        // Bytes are decoded from sRGB.
         let expected = [Vec4::new(0.0, 0.215_860_5, 1.0, 1.0), Vec4::new(1.0, 0.0, 0.0, 1.0)];
         for (color, expected) in shape.colors.iter().zip(expected) {
             assert!(color.distance(expected) < 1e-6, "{color} is not {expected}");
@@ -134,7 +138,7 @@ fn vertices_alone_are_points_that_just_touch() {
 }
 
 #[test]
-fn bad_normals_and_texture_coordinates_are_mended_with_a_warning() {
+fn invalid_normals_and_texture_coordinates_are_replaced_with_a_warning() {
     let header = format!(
         "element vertex 1\n{XYZ}\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v"
     );
@@ -206,13 +210,13 @@ fn every_name_in_use_for_a_property_is_known() {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_in_the_place_of_a_lone_shape_is_refused_and_not_waited_for() {
+fn a_pipe_as_a_shape_is_refused_without_waiting() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for name in ["pipe.ply", "pipe.obj", "pipe.json"] {
         let pipe = folder.path().join(name);
         let made = std::process::Command::new("mkfifo").arg(&pipe).status();
         if !made.is_ok_and(|status| status.success()) {
-            // Without the tool there is nothing to test with.
+            // Skip the test on systems without the tool.
             return;
         }
         let message = load(&pipe, &LoadOptions::default()).expect_err("refused").to_string();
@@ -237,7 +241,7 @@ fn a_radius_has_to_be_a_length_and_is_for_lone_shapes() {
     assert!(warnings.len() == 1 && warnings[0].contains("changes nothing"), "{warnings:?}");
 }
 
-/// Ten thousand vertices: more than are read at a time.
+/// Returns a file of ten thousand vertices, more than one block.
 fn many(encoding: &str, bad: Option<(usize, f32)>) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat {encoding} 1.0\nelement vertex 10000\nproperty double z\nproperty float x\n\
@@ -252,7 +256,10 @@ fn many(encoding: &str, bad: Option<(usize, f32)>) -> Vec<u8> {
         _ => bytes.extend(little.iter().rev()),
     };
     macro_rules! put {
-        ($($value:expr),*) => { $(let value = $value; number(value.to_string(), &value.to_le_bytes());)* };
+        ($($value:expr),*) => {$(
+            let value = $value;
+            number(value.to_string(), &value.to_le_bytes());
+        )*};
     }
     for i in 0..10_000_u16 {
         let x = f32::from(i);
@@ -282,7 +289,7 @@ fn a_cloud_of_many_blocks_is_the_same_in_every_encoding() {
 }
 
 #[test]
-fn what_is_wrong_far_into_a_file_is_named_by_the_first_place() {
+fn the_first_of_several_invalid_values_is_reported() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("thing.ply");
     for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
@@ -291,7 +298,7 @@ fn what_is_wrong_far_into_a_file_is_named_by_the_first_place() {
             load(&path, &LoadOptions::default()).map(|_| ()).expect_err("refused").to_string();
         assert!(message.contains("vertex 9001: radius is -1"), "{encoding}: {message}");
         if encoding == "ascii" {
-            // The last number without its last digits is a number.
+            // A number that is cut is still a number.
             continue;
         }
         let whole = many(encoding, None);

@@ -23,7 +23,8 @@ fn scene(random: &mut Random) -> Scene {
     scene
 }
 
-/// Panics unless both trees give the same answers, to the bit, and says how many rays hit.
+/// Asserts that refitted and new trees give the same answers to the bit; returns the number of
+/// hits.
 fn compare(random: &mut Random, scene: &mut Scene, refitted: &Trees) -> u32 {
     let fresh = Trees::build(scene).expect("valid");
     let mut hits = 0;
@@ -54,7 +55,7 @@ fn refitted_trees_answer_as_new_ones() {
                 *radius = SIZE * (0.05 + 0.3 * random.unit());
             }
         }
-        // Sometimes out of the place where instances share a tree, and back.
+        // Alternate between a frame that prevents sharing a tree and one that allows it.
         let count = scene.instances.len();
         let moved = Affine3A::from_translation(0.3 * random.vector());
         scene.instances[count - 2].world_from_object =
@@ -67,7 +68,7 @@ fn refitted_trees_answer_as_new_ones() {
 }
 
 #[test]
-fn elements_beyond_what_a_box_can_hold_come_and_go() {
+fn elements_with_infinite_bounds_leave_and_enter_the_trees() {
     let mut random = Random(12);
     let mut scene = scene(&mut random);
     let mut trees = Trees::build(&scene).expect("valid");
@@ -82,20 +83,20 @@ fn elements_beyond_what_a_box_can_hold_come_and_go() {
 }
 
 #[test]
-fn what_refitting_cannot_follow_is_told_and_changes_nothing() {
+fn a_refused_refit_names_the_reason_and_leaves_the_trees_unchanged() {
     type Change = fn(&mut Scene);
     let table: &[(Change, &str)] = &[
         (
             |s| s.shapes[0].elements = Elements::Points(39),
-            "shapes[0]: has 39 elements now, but the trees were built of 40; build new ones",
+            "shapes[0]: has 39 elements, but the trees were built from 40: build new trees",
         ),
         (
             |s| s.shapes.push(Shape::default()),
-            "the scene has 5 shapes now, but the trees were built of 4; build new ones",
+            "the scene has 5 shapes, but the trees were built from 4: build new trees",
         ),
         (
             |s| drop(s.instances.pop()),
-            "the scene has 13 instances now, but the trees were built of 14; build new ones",
+            "the scene has 13 instances, but the trees were built from 14: build new trees",
         ),
         (
             |s| s.shapes[1].positions[7] = Vec3::NAN,

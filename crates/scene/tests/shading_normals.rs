@@ -1,5 +1,5 @@
-//! Normals that light scatters about: on the side of the viewer, and never such that what is mirrored goes
-//! below the surface.
+//! Shading normals are on the side of the viewer, and mirror images about them are never below the
+//! surface.
 
 mod support;
 
@@ -12,7 +12,7 @@ use rotund_scene::{
 };
 use support::{Random, frames, ray_at, scene_of, shapes};
 
-/// A normal map that points anywhere in the upper half, and further down than any real one.
+/// Returns a random normal map that is steeper than any real one.
 fn wild_map(random: &mut Random) -> Texture {
     let pixels = (0..64).map(|_| {
         let [x, y] = [0, 1].map(|_| (random.unit() * 255.0) as u8);
@@ -22,7 +22,7 @@ fn wild_map(random: &mut Random) -> Texture {
     Texture { name: String::new(), width: 8, height: 8, pixels }
 }
 
-/// The shapes of [`shapes`], with normals at the vertices that have little to do with the faces.
+/// Returns the shapes of [`shapes`] with vertex normals that are unrelated to the faces.
 fn bent_shapes(random: &mut Random) -> Vec<Shape> {
     let mut all = shapes(random, 30, 0.5);
     for shape in &mut all {
@@ -31,7 +31,8 @@ fn bent_shapes(random: &mut Random) -> Vec<Shape> {
     all
 }
 
-/// How far above the surface the mirror image of `outgoing` is, on the side of the viewer; without rounding.
+/// Returns the height of the mirror image of `outgoing` above the surface, on the side of the
+/// viewer, in `f64`.
 fn height(normal: Vec3, outgoing: Vec3, geometric: Vec3) -> f64 {
     let [n, o, g] = [normal, outgoing, geometric].map(|v| v.as_dvec3());
     let mirrored = 2.0 * n.dot(o) * n - o;
@@ -39,7 +40,7 @@ fn height(normal: Vec3, outgoing: Vec3, geometric: Vec3) -> f64 {
 }
 
 #[test]
-fn what_is_mirrored_never_goes_below_the_surface_in_any_frame() {
+fn mirror_images_are_never_below_the_surface_in_any_frame() {
     let mut random = Random(61);
     let (mut bent, mut count) = (0, 0);
     for (why, frame) in frames() {
@@ -76,7 +77,7 @@ fn what_is_mirrored_never_goes_below_the_surface_in_any_frame() {
 }
 
 #[test]
-fn a_normal_that_mirrors_upwards_is_left_as_it_is() {
+fn a_normal_whose_mirror_image_is_above_the_surface_is_unchanged() {
     let mut random = Random(67);
     for shape in bent_shapes(&mut random) {
         let mut scene = scene_of(shape, frames()[0].1, MaterialKind::Glossy);
@@ -100,7 +101,7 @@ fn a_normal_that_mirrors_upwards_is_left_as_it_is() {
     }
 }
 
-/// A saddle in a frame, under both methods, whose normal map is one colour.
+/// Returns a saddle in a frame with a normal map of one colour.
 fn mapped_saddle(pixel: [u8; 4], frame: Affine3A) -> Scene {
     let shape = Shape {
         name: String::new(),
@@ -113,7 +114,7 @@ fn mapped_saddle(pixel: [u8; 4], frame: Affine3A) -> Scene {
             vec3(0.0, 1.0, -0.2),
         ],
         normals: vec![],
-        // v runs down the image, so up the saddle is up the image.
+        // v runs down the image, so that up on the saddle is up in the image.
         texcoords: vec![vec2(0.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 0.0), vec2(0.0, 0.0)],
         colors: vec![],
         radii: vec![],
@@ -138,7 +139,7 @@ fn a_normal_map_follows_the_tangents_of_the_patch_in_every_frame() {
             let (by_u, _) = scene.eval_tangents(0, 0, uv);
             let along = (by_u - geometric * geometric.dot(by_u)).normalize();
             let normal = scene.eval_shading_normal(0, 0, uv);
-            // Half a step of a byte is 1/255 of the map.
+            // The rounding of a byte is at most 1/255 of the map.
             let sideways = normal.dot(geometric.cross(along));
             assert!(sideways.abs() < 6e-3, "{why}: tilts along u and not across: {sideways}");
             let tilt = normal.dot(along).atan2(normal.dot(geometric)).to_degrees();

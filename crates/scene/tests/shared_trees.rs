@@ -1,4 +1,4 @@
-//! Neighbouring instances of a few triangles share a tree; rays must not tell.
+//! Neighbouring instances of few triangles share a tree, with the same answers as separate trees.
 
 mod support;
 
@@ -8,8 +8,8 @@ use support::{Random, ray_at, scene_of, shapes};
 
 const SIZE: f32 = 0.5;
 
-/// Shapes of which some share a tree and some do not: some kinds and frames stand between the triangles, one
-/// shape is there twice, one is empty, and the last has too many triangles.
+/// Shapes of which some share a tree and some do not: some kinds and frames stand between the
+/// triangles, one shape is there twice, one is empty, and the last has too many triangles.
 fn scene() -> Scene {
     let mut random = Random(3);
     let mut of = |kind: ElementKind, count: u32| -> Shape {
@@ -73,7 +73,7 @@ fn rays_meet_instances_that_share_a_tree_as_they_meet_each_alone() {
         let hits = alone.iter().enumerate().filter_map(|(index, (scene, trees))| {
             Some(SceneHit { instance: index as u32, ..trees.closest(scene, &ray)? })
         });
-        // Of equal ones the first, as `min_by` has it.
+        // Of equal `t` the first, as `min_by` returns.
         let expected = hits.min_by(|a, b| a.t.total_cmp(&b.t));
         assert_eq!(trees.closest(&whole, &ray), expected, "{ray:?}");
         assert_eq!(trees.any(&whole, &ray), expected.is_some(), "{ray:?}");
@@ -81,7 +81,7 @@ fn rays_meet_instances_that_share_a_tree_as_they_meet_each_alone() {
             met[hit.instance as usize] += 1;
         }
     }
-    // The second of two that coincide is never met, nor is one without triangles.
+    // The second of two instances that coincide is never hit, nor is one without triangles.
     let never = [3, 4, 8, 9, 11];
     for (instance, &count) in met.iter().enumerate() {
         assert_eq!(count == 0, never.contains(&instance), "instance {instance}: {count}");

@@ -1,4 +1,4 @@
-//! Files as editors, converters and strangers leave them: what is understood, and what is told.
+//! Unusual files of editors and converters: what loads, and the messages for what does not.
 
 use rotund_scene::{Elements, LoadOptions, Loaded, load};
 use std::{fs, time::Instant};
@@ -7,7 +7,7 @@ const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 const SCENE: &str = r#"{ "materials": [{}], "shapes": [{ "uri": "quad.obj" }],
     "instances": [{ "shape": 0, "material": 0 }] }"#;
 
-/// What loading `name`, with this content and a quad beside it, gives.
+/// Loads `name` with this content, in a folder with a quad.
 fn loaded(name: &str, content: &[u8]) -> Result<Loaded, String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("quad.obj"), QUAD).expect("writes the mesh");
@@ -21,7 +21,7 @@ fn utf16(text: &str) -> Vec<u8> {
 }
 
 #[test]
-fn marks_and_line_ends_of_any_editor_are_understood() {
+fn byte_order_marks_and_all_line_ends_are_accepted() {
     let table = [
         ("a mark before UTF-8", "scene.json", format!("\u{feff}{SCENE}")),
         ("line ends of two bytes", "scene.json", SCENE.replace(' ', "\r\n")),
@@ -41,7 +41,7 @@ fn marks_and_line_ends_of_any_editor_are_understood() {
 }
 
 #[test]
-fn what_is_no_scene_is_told_in_plain_words() {
+fn messages_for_files_that_are_no_scenes_are_plain() {
     let materials = |what: &str| format!("{{ \"materials\": {what} }}").into_bytes();
     let table: [(&str, &str, Vec<u8>, &[&str]); 16] = [
         ("UTF-16", "scene.json", utf16(SCENE), &["UTF-16", "UTF-8"]),
@@ -87,7 +87,7 @@ fn what_is_no_scene_is_told_in_plain_words() {
 }
 
 #[test]
-fn nesting_without_end_neither_overflows_the_stack_nor_takes_long() {
+fn deep_nesting_neither_overflows_the_stack_nor_takes_long() {
     let start = Instant::now();
     let deep = |open: &str, close: &str| {
         format!("{}1{}", open.repeat(200_000), close.repeat(200_000)).into_bytes()
@@ -98,7 +98,7 @@ fn nesting_without_end_neither_overflows_the_stack_nor_takes_long() {
         ("in a known field", [b"{ \"asset\": ".to_vec(), deep("[", "]"), b"}".to_vec()]),
         ("in an item", [b"{ \"materials\": [".to_vec(), deep("[", "]"), b"]}".to_vec()]),
     ] {
-        // A warning or an error: only that there is an answer.
+        // Either a warning or an error.
         let _ = loaded("scene.json", &content.concat()).map_err(|message| {
             assert!(message.contains("scene.json"), "{why}: {message}");
         });
@@ -107,7 +107,7 @@ fn nesting_without_end_neither_overflows_the_stack_nor_takes_long() {
 }
 
 #[test]
-fn a_mesh_split_more_often_than_memory_bears_is_refused_at_once() {
+fn a_subdivision_beyond_memory_is_refused_at_once() {
     let scene = |levels: u32| {
         format!(
             r#"{{ "shapes": [{{}}], "subdivs": [{{ "shape": 0, "uri": "quad.obj",

@@ -4,7 +4,7 @@ use rotund_geometry::glam::{Vec2, Vec3, vec2};
 use rotund_scene::{Elements, LoadOptions, Shape, load};
 use std::{collections::HashMap, fs};
 
-/// The first shape of a scene with this `subdivs`, whose control mesh is this OBJ.
+/// Loads a scene with these fields of a subdivision, whose control mesh is this OBJ file.
 fn subdivided(obj: &str, fields: &str) -> Result<Shape, String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("control.obj"), obj).expect("writes the mesh");
@@ -31,7 +31,7 @@ fn quads(shape: &Shape) -> &[[u32; 4]] {
 }
 
 #[test]
-fn one_level_of_a_cube_has_the_points_of_the_rule() {
+fn one_level_of_a_cube_follows_the_rule() {
     let shape = subdivided(CUBE, r#", "subdivisions": 1"#).expect("subdivides");
     assert_eq!((quads(&shape).len(), shape.positions.len()), (24, 26));
     let has = |p: Vec3| shape.positions.iter().any(|q| q.distance(p) < 1e-6);
@@ -45,7 +45,7 @@ fn one_level_of_a_cube_has_the_points_of_the_rule() {
 }
 
 #[test]
-fn a_subdivided_cube_comes_close_to_its_limit_and_stays_closed() {
+fn a_subdivided_cube_approaches_its_limit_and_stays_closed() {
     let shape = subdivided(CUBE, r#", "subdivisions": 4"#).expect("subdivides");
     assert_eq!(quads(&shape).len(), 6 * 4_usize.pow(4));
     let mut edges = HashMap::new();
@@ -62,8 +62,8 @@ fn a_subdivided_cube_comes_close_to_its_limit_and_stays_closed() {
             "normals point out: {normal} at {position}"
         );
     }
-    // The limit of a corner of valence n = 3 is (n² P + 4 ΣE + ΣF) / (n (n + 5)), which is 1/2 for E and F
-    // the neighbours along edges and across faces: ((9 + 4 - 1) / 24).
+    // The limit of a corner of valence n = 3 is (n² P + 4 ΣE + ΣF) / (n (n + 5)), which is 1/2 for
+    // E and F the neighbours along edges and across faces: ((9 + 4 - 1) / 24).
     let corner = shape.positions.iter().map(|p| p.min_element()).fold(0.0, f32::max);
     assert!((corner - 0.5).abs() < 5e-3, "{corner}");
 }
@@ -86,7 +86,7 @@ fn a_flat_sheet_stays_flat_and_keeps_its_straight_borders() {
 
 #[test]
 fn texture_coordinates_are_smoothed_inside_their_islands() {
-    // Four quads about a point that stands off the middle of the texture.
+    // Four quads about a point off the middle of the texture.
     let mut sheet = String::new();
     for y in 0..3_u8 {
         for x in 0..3_u8 {
@@ -105,8 +105,8 @@ fn texture_coordinates_are_smoothed_inside_their_islands() {
     let once = |fields: &str| subdivided(&sheet, &format!(r#", "subdivisions": 1{fields}"#));
     let smooth = once("").expect("subdivides");
     let has = |shape: &Shape, uv: Vec2| shape.texcoords.iter().any(|own| own.distance(uv) < 1e-6);
-    // (F + 2 R + P) / 4 with P = (0.9, 0.3) and each of its eight neighbours about (0.5, 0.5): F is 0.25 of
-    // the way to P, R half of it.
+    // (F + 2 R + P) / 4 with P = (0.9, 0.3) and each of its eight neighbours about (0.5, 0.5): F is
+    // 0.25 of the way to P, R half of it.
     let off = vec2(0.4, -0.2);
     assert!(has(&smooth, vec2(0.5, 0.5) + 0.5625 * off), "a point inside: {:?}", smooth.texcoords);
     // A mean of two ends and two face points: (0.5, 0) and P, and two of a quarter of P.
@@ -142,7 +142,7 @@ fn a_mesh_of_no_levels_keeps_the_normals_of_its_file_until_it_is_displaced() {
 
 #[test]
 fn displacement_goes_along_the_normal_by_the_mean_of_all_four_channels_less_a_half() {
-    // Eight bumps in eight pixels: black everywhere, whose pixels stand at the rims. Alpha is 1.
+    // Eight bumps in eight pixels: all pixels lie at rims, which are black. Alpha is 1.
     let sheet =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
     let shape =
@@ -151,7 +151,7 @@ fn displacement_goes_along_the_normal_by_the_mean_of_all_four_channels_less_a_ha
 }
 
 #[test]
-fn what_cannot_be_subdivided_is_refused() {
+fn invalid_subdivisions_are_refused() {
     let table: [(&str, &str, &str, &[&str]); 5] = [
         (
             "nowhere in the texture",
@@ -215,7 +215,7 @@ fn obj_faces_lines_and_points_keep_their_kind() {
 }
 
 #[test]
-fn a_normal_that_an_obj_does_not_have_is_left_out_with_a_warning() {
+fn a_missing_normal_in_an_obj_is_a_warning() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("thing.obj");
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/2 3/1/3\n";

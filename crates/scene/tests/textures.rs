@@ -1,4 +1,4 @@
-//! Images in every form that people have.
+//! Textures of all supported formats, depths and channels.
 
 use exr::prelude::{AnyChannel, AnyChannels, Image, Layer, WritableImage as _};
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, Rgba};
@@ -6,7 +6,7 @@ use rotund_geometry::glam::{Vec4, vec4};
 use rotund_scene::{LoadOptions, Texture, load};
 use std::{fs, path::Path};
 
-/// The texture that the file `name`, as `write` makes it, is.
+/// Loads the texture that `write` stores in the file `name`.
 fn texture(name: &str, write: impl FnOnce(&Path)) -> Result<Texture, String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(&folder.path().join(name));
@@ -124,7 +124,7 @@ fn hdr_is_read_flat_and_in_runs() {
     for value in pixel {
         runs.extend([128 + 8, value]);
     }
-    // The oldest form: a pixel of ones with a count repeats the last one.
+    // The oldest encoding: a pixel of ones with a count repeats the previous one.
     let old = [header(2).as_bytes(), &pixel, &[1, 1, 1, 1]].concat();
     for (why, bytes) in [("flat", flat), ("in runs", runs), ("in runs of old", old)] {
         let texture = texture("image.hdr", |path| fs::write(path, &bytes).expect("writes"));
@@ -136,7 +136,7 @@ fn hdr_is_read_flat_and_in_runs() {
 }
 
 #[test]
-fn what_a_header_claims_is_not_believed() {
+fn sizes_in_headers_do_not_cause_allocations() {
     let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 40000 +X 40000\n";
     let message = texture("image.hdr", |path| fs::write(path, header).expect("writes"));
     let message = message.expect_err("refused");

@@ -1,4 +1,4 @@
-//! Scenes made in code: what is wrong with them is told, and what is right is accepted.
+//! Scenes made in code: constructors, and the errors of validation.
 
 use rotund_geometry::{
     Ray,
@@ -9,7 +9,7 @@ use rotund_scene::{
     Trees,
 };
 
-/// One of everything, all of it right.
+/// Returns a valid scene with one item of every kind.
 fn valid() -> Scene {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y];
     let named = |name: &str, shape: Shape| Shape { name: name.to_owned(), ..shape };
@@ -32,14 +32,14 @@ fn valid() -> Scene {
 }
 
 #[test]
-fn a_scene_of_everything_is_valid() {
+fn a_scene_with_items_of_every_kind_is_valid() {
     assert_eq!(valid().validate(), Ok(()));
     assert_eq!(Scene::default().validate(), Ok(()));
     assert!(Trees::build(&Scene::default()).is_ok(), "no instances are no mistake");
 }
 
 #[test]
-fn a_mistake_is_told_with_item_element_and_value() {
+fn errors_name_item_element_and_value() {
     type Mistake = fn(&mut Scene);
     let table: &[(Mistake, &str)] = &[
         (|s| s.instances[2].shape = 7, "instances[2]: shape is 7, but the scene has 4 shapes"),
@@ -193,7 +193,7 @@ fn a_mistake_is_told_with_item_element_and_value() {
 }
 
 #[test]
-fn the_first_of_many_mistakes_is_told_in_arrays_of_any_length() {
+fn the_first_of_several_mistakes_is_reported_in_arrays_of_any_length() {
     for bad in [0, 1, 4095, 4096, 99_999] {
         let mut cloud = Shape::points(vec![Vec3::ZERO; 100_000], 0.1);
         cloud.radii[bad..].fill(f32::NAN);
@@ -233,7 +233,7 @@ fn bytes_of_a_texture_are_four_for_each_pixel() {
 }
 
 #[test]
-fn constructors_fill_what_they_are_given() {
+fn constructors_fill_the_arrays() {
     let ends = [Vec3::ZERO, Vec3::X];
     let line = Shape::lines(ends, 0.25, [[0, 1]]);
     assert_eq!(line.radii, [0.25, 0.25], "one radius for all");
@@ -248,7 +248,7 @@ fn a_camera_looks_at_its_target() {
     let (eye, target) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(-2.0, 0.5, 1.0));
     let camera = Camera { aperture: 0.2, ..Camera::look_at(eye, target, Vec3::Y) };
     for lens in [Vec2::ZERO, Vec2::X, Vec2::new(-0.6, 0.8)] {
-        // What is looked at is in the middle of the picture, and in focus.
+        // The target is in the middle of the picture, and in focus.
         let ray = camera.ray(Vec2::splat(0.5), lens);
         let t = (target - ray.origin).dot(ray.direction);
         assert!(ray.at(t).distance(target) < 1e-5, "{lens}: {ray:?}");
@@ -275,7 +275,7 @@ fn an_orthographic_camera_shows_its_width() {
 }
 
 #[test]
-fn bounds_hold_what_rays_meet() {
+fn bounds_contain_instances_with_their_radii() {
     let mut scene = Scene::default();
     assert!(scene.bounds().is_empty(), "nothing");
     let ball = scene.add(Shape::points([Vec3::ZERO], 0.5), Material::default());

@@ -1,4 +1,4 @@
-//! Every version of the scene format, in the form in which yocto-gl wrote it.
+//! All versions of the scene format, as yocto-gl wrote them.
 
 use rotund_geometry::glam::{Vec3, vec2, vec3};
 use rotund_scene::{Elements, LoadOptions, Loaded, MaterialKind, load};
@@ -10,7 +10,7 @@ const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float 
     0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n";
 
-/// Files of all the folders, and `scene.json`.
+/// Creates a folder with `scene.json` and all files that it may name.
 fn folder(scene: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |name: &str, content: &[u8]| {
@@ -27,7 +27,7 @@ fn folder(scene: &str) -> TempDir {
         property float zy\nproperty float zz\nproperty float ox\nproperty float oy\nproperty float oz\n\
         end_header\n1 0 0 0 1 0 0 0 1 5 0 0\n0 1 0 -1 0 0 0 0 1 0 0 7\n";
     write("instances/many.ply", frames.as_bytes());
-    // One pixel: red, green, blue and exponent.
+    // One pixel of red, green, blue and exponent.
     write("textures/sky.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81");
     write("scene.json", scene.as_bytes());
     folder
@@ -40,7 +40,7 @@ fn loaded(folder: &Path) -> Loaded {
     loaded
 }
 
-/// What all versions of the scene below say.
+/// Asserts the content that all versions of the scene below have.
 fn assert_is_the_scene(why: &str, loaded: &Loaded) {
     let scene = &loaded.scene;
     let [camera] = &scene.cameras[..] else { panic!("{why}: one camera") };
@@ -103,7 +103,7 @@ const VERSION_41: &str = r#"{
     }
 }"#;
 
-/// The same words for all versions with arrays.
+/// Returns the scene in any version with arrays.
 fn version_42(version: &str) -> String {
     format!(
         r#"{{
@@ -126,7 +126,7 @@ fn version_42(version: &str) -> String {
 }
 
 #[test]
-fn all_versions_say_the_same() {
+fn all_versions_load_the_same_scene() {
     let table = [
         ("4.0, which has no number", VERSION_40.to_owned()),
         ("4.1", VERSION_41.to_owned()),
@@ -153,7 +153,7 @@ fn all_versions_say_the_same() {
 }
 
 #[test]
-fn an_unknown_version_is_told_and_read_as_the_last() {
+fn an_unknown_version_is_a_warning_and_read_as_the_latest() {
     let folder = folder(&version_42("\"6.1\""));
     let loaded = load(folder.path().join("scene.json"), &LoadOptions::default()).expect("loads");
     let [warning] = &loaded.warnings[..] else { panic!("one warning: {:?}", loaded.warnings) };
@@ -162,7 +162,7 @@ fn an_unknown_version_is_told_and_read_as_the_last() {
 }
 
 #[test]
-fn a_material_without_a_type_is_what_it_reflects_and_lets_through() {
+fn reflection_and_transmission_determine_a_missing_type() {
     use MaterialKind::{Glossy, Matte, Reflective, Refractive, Transparent};
     let table = [
         // before there were versions                                       the kind
@@ -193,7 +193,7 @@ fn a_material_without_a_type_is_what_it_reflects_and_lets_through() {
 }
 
 #[test]
-fn a_material_of_gltf_is_taken_for_the_nearest_kind_with_a_warning() {
+fn a_gltf_material_becomes_the_nearest_kind_with_a_warning() {
     for (metallic, kind) in [("0", MaterialKind::Glossy), ("1", MaterialKind::Reflective)] {
         let folder = folder(&format!(
             r#"{{ "materials": [{{ "type": "gltfpbr", "metallic": {metallic} }}] }}"#
@@ -207,7 +207,7 @@ fn a_material_of_gltf_is_taken_for_the_nearest_kind_with_a_warning() {
 }
 
 #[test]
-fn a_name_that_nothing_has_is_told_with_the_files_that_could_have_it() {
+fn the_error_for_an_unknown_name_lists_the_possible_files() {
     let table = [
         ("\"shape\": \"floor\"", "\"shape\": \"cellar\"", "shapes/cellar.ply or .obj"),
         ("\"emission_tex\": \"sky\"", "\"emission_tex\": \"earth\"", "textures/earth.hdr, .exr"),
@@ -221,7 +221,7 @@ fn a_name_that_nothing_has_is_told_with_the_files_that_could_have_it() {
 }
 
 #[test]
-fn an_object_of_version_40_stands_wherever_a_file_of_frames_says() {
+fn an_object_of_version_40_is_repeated_for_each_frame_of_a_file() {
     let scene = r#"{ "materials": { "m": {} }, "objects": { "tree": { "instance": "many",
         "shape": "floor", "material": "m", "frame": [1,0,0, 0,1,0, 0,0,1, 1,2,3] } } }"#;
     let folder = folder(scene);
@@ -231,7 +231,7 @@ fn an_object_of_version_40_stands_wherever_a_file_of_frames_says() {
     assert_eq!(names, ["tree_0", "tree_1"]);
     let places: Vec<_> =
         instances.iter().map(|i| i.world_from_object.transform_point3(Vec3::ZERO)).collect();
-    // The frame of the file comes after the object's own: the second turns x to y.
+    // The frame of the file is applied after that of the object: the second one rotates x to y.
     assert_eq!(places, [vec3(6.0, 2.0, 3.0), vec3(-2.0, 1.0, 10.0)]);
     let table = [
         ("no such file", "many", "few", &["few.ply", "instances[0].instance"][..]),
@@ -266,7 +266,7 @@ fn a_scene_without_a_camera_gets_one_that_sees_it() {
     let loaded = load(folder.path().join("scene.json"), &LoadOptions::default()).expect("loads");
     let [camera] = &loaded.scene.cameras[..] else { panic!("one camera") };
     let middle = camera.ray(vec2(0.5, 0.5), Default::default());
-    // All lies between x = 0 and x = 4.
+    // The scene extends from x = 0 to x = 4.
     let toward = vec3(2.0, 0.5, 0.0) - middle.origin;
     assert!(middle.direction.dot(toward.normalize()) > 0.99, "{middle:?}");
 }

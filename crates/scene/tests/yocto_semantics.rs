@@ -1,4 +1,4 @@
-//! What the numbers of a scene mean, as yocto-gl means them.
+//! Evaluation has the semantics of yocto-gl.
 
 mod support;
 
@@ -23,7 +23,7 @@ fn four_pixels() -> Texture {
 }
 
 #[test]
-fn a_texture_repeats_and_its_pixels_stand_at_their_corner() {
+fn a_texture_repeats_and_its_pixels_are_centred_at_their_corners() {
     let texture = four_pixels();
     let table = [
         // where                              uv               color
@@ -45,11 +45,11 @@ fn a_texture_repeats_and_its_pixels_stand_at_their_corner() {
 }
 
 #[test]
-fn bytes_are_srgb_as_colour_and_plain_as_data_and_alpha_is_always_plain() {
+fn bytes_are_srgb_as_colour_linear_as_data_and_alpha_is_always_linear() {
     let pixels = Pixels::Bytes(vec![[128, 10, 255, 128]]);
     let texture = Texture { name: String::new(), width: 1, height: 1, pixels };
     let (color, data) = (texture.color(Vec2::ZERO), texture.data(Vec2::ZERO));
-    // IEC 61966-2-1: 128 is 0.2158605, 10 is in the straight part.
+    // IEC 61966-2-1: 128 is 0.2158605, 10 is in the linear part.
     assert_near(color.truncate(), vec3(0.215_860_5, 10.0 / 255.0 / 12.92, 1.0), "colour");
     assert_near(data.truncate(), vec3(128.0, 10.0, 255.0) / 255.0, "data");
     assert_eq!((color.w, data.w), (128.0 / 255.0, 128.0 / 255.0), "alpha");
@@ -168,7 +168,7 @@ fn tangents_are_the_derivatives_of_position_by_texture_coordinates() {
 }
 
 #[test]
-fn the_width_of_the_lobe_is_the_square_of_the_roughness_with_a_floor() {
+fn alpha_is_the_square_of_the_roughness_with_a_lower_bound() {
     use MaterialKind::{Glossy, Matte, Reflective, Refractive};
     let table = [
         // kind, roughness, alpha
@@ -219,7 +219,7 @@ fn textures_and_vertex_colours_multiply() {
 }
 
 #[test]
-fn what_is_left_of_white_after_trdepth_is_the_colour() {
+fn white_light_is_attenuated_to_the_colour_over_trdepth() {
     let mut scene =
         scene_of(lifted_quad(Method::Vanilla), Affine3A::IDENTITY, MaterialKind::Refractive);
     scene.materials[0].color = vec3(1.0, 0.5, 0.0);

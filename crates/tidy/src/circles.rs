@@ -39,7 +39,8 @@ fn needs(modules: &Modules) -> Needs {
             let Some(target) = modules.resolve(scope, path) else { continue };
             let (above, above_target) = (ancestry(modules, scope), ancestry(modules, target));
             let apart = above.iter().zip(&above_target).position(|(a, b)| a != b);
-            // Without a difference one lies below the other. At 0 is the root, so none differs there.
+            // Without a difference one lies below the other. At 0 is the root, so none differs
+            // there.
             let Some(apart) = apart else { continue };
             let to = &modules.0[target].file;
             if module.file != *to {

@@ -22,7 +22,8 @@ pub(crate) fn text_files(root: &Path) -> Result<Vec<(PathBuf, String)>> {
     Ok(files)
 }
 
-/// Lists all files below a folder in order, without those of cargo and git and the output of commands.
+/// Lists all files below a folder in order, without those of cargo and git and the output of
+/// commands.
 pub(crate) fn walk(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     let entries =

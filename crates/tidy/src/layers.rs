@@ -59,7 +59,20 @@ const MAY_USE: [(&str, &[&str]); 12] = [
             "rotund-tidy",
         ],
     ),
-    ("rotund-tests", &["rotund-geometry", "rotund-bvh", "rotund-scene", "rotund-trace", "xtask"]),
+    (
+        "rotund-tests",
+        &[
+            "rotund-geometry",
+            "rotund-bvh",
+            "rotund-image",
+            "rotund-scene",
+            "rotund-trace",
+            "rotund-report",
+            "rotund-golden",
+            "rotund",
+            "xtask",
+        ],
+    ),
 ];
 
 /// Finds dependencies that are not in [`MAY_USE`].

@@ -1,6 +1,7 @@
 //! Checks of the workspace that no compiler makes, for `cargo xtask tidy` and the tests.
 //!
 //! - A crate depends only on the crates that [`layers`] lists for it.
+//! - No two files of a crate name each other, directly or round a circle ([`circles`]).
 //! - `xtask` has no formula of intersection or shading ([`formulas`]).
 //! - Unsafe code, files, arguments and JSON stay where `ARCHITECTURE.md` puts them ([`places`]).
 //! - Files and lines are short, and nothing unfinished, switched off or of one machine is left
@@ -11,12 +12,10 @@
 use anyhow::Result;
 use std::path::Path;
 
-#[cfg(test)]
 mod circles;
 mod files;
 mod formulas;
 mod layers;
-#[cfg(test)]
 mod modules;
 mod places;
 mod scenes;
@@ -40,6 +39,7 @@ pub struct Checked {
 pub fn check(root: &Path) -> Result<Checked> {
     let files = files::text_files(root)?;
     let mut findings = layers::check(root)?;
+    findings.extend(circles::check(&files)?);
     for (path, text) in &files {
         findings.extend(texts::check(path, text));
         findings.extend(places::check(path, text));

@@ -28,8 +28,8 @@ const RULES: [Rule; 8] = [
         folder: "crates",
         word: "fs::",
         except: &[
-            "crates/golden/src/cases.rs",
-            "crates/golden/src/reference.rs",
+            "crates/golden/src/case.rs",
+            "crates/golden/src/suite.rs",
             "crates/image/src/codec/file.rs",
             "crates/rotund/src/built_in.rs",
             "crates/rotund/src/golden.rs",

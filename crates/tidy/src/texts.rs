@@ -49,17 +49,22 @@ pub(crate) fn check(path: &Path, text: &str) -> Vec<String> {
             }
         }
         let columns = line.chars().count();
-        if cfg!(test) && is_rust && columns > MOST_COLUMNS && !cannot_be_broken(line) {
+        if is_rust && columns > MOST_COLUMNS && !cannot_be_broken(line) {
             find(format!("{columns} columns, {MOST_COLUMNS} are the most"));
         }
     }
     findings
 }
 
-/// Whether a line holds an address or, outside of comments, a piece of a string.
+/// Whether a line holds an address, a row of a table, or, outside of comments, a piece of a string.
 fn cannot_be_broken(line: &str) -> bool {
-    let is_comment = line.trim_start().starts_with("//");
-    line.contains("://") || (!is_comment && (line.contains('"') || line.ends_with('\\')))
+    let text = line.trim_start();
+    let comment = ["///", "//!", "//"].iter().find_map(|mark| text.strip_prefix(mark));
+    line.contains("://")
+        || match comment {
+            Some(comment) => comment.trim_start().starts_with('|'),
+            None => line.contains('"') || line.ends_with('\\'),
+        }
 }
 
 #[cfg(test)]
@@ -91,6 +96,7 @@ mod tests {
             ("101 characters of a comment", format!("// é{}", &words[..97]), 1),
             ("a comment with a quote", format!("// \"{words}\""), 1),
             ("an address", format!("// https://example.org/{}", words.replace(' ', "-")), 0),
+            ("a row of a table", format!("/// | {words}|"), 0),
             ("a string", format!("    say(\"{words}\");"), 0),
             ("code", format!("    {}", words.replace(' ', "+")), 1),
         ];

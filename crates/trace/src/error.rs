@@ -1,6 +1,5 @@
-//! Reasons why a render is refused.
+//! Reasons why a render or a film is refused.
 
-use crate::film::FilmError;
 use rotund_scene::SceneError;
 
 /// A reason why a render is refused before it begins.
@@ -22,4 +21,17 @@ pub enum RenderError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Film(#[from] FilmError),
+}
+
+/// A reason why a film cannot be made or added to.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages describe variants and fields")]
+#[non_exhaustive]
+pub enum FilmError {
+    #[error("a film of {width} x {height} has no pixels")]
+    Empty { width: u32, height: u32 },
+    #[error("a film of {width} x {height} does not fit into memory: it takes 64 bytes a pixel")]
+    TooLarge { width: u32, height: u32 },
+    #[error("pixel ({x}, {y}) is outside of a film of {width} x {height}")]
+    OutOfRange { x: u32, y: u32, width: u32, height: u32 },
 }

@@ -59,8 +59,8 @@ mod world;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue};
 pub use camera_ray::camera_ray;
-pub use error::RenderError;
-pub use film::{Film, FilmError, FilmSample, MergeError, Progress};
+pub use error::{FilmError, RenderError};
+pub use film::{Film, FilmSample, MergeError, Progress};
 pub use layers::Layers;
 pub use light::{LightSample, LightSource, Lights, Receiver};
 pub use mis::power_heuristic;

@@ -20,7 +20,7 @@
 //!
 //! A ray that leaves a surface has its crossing with that surface behind it. If the line meets a
 //! triangle, the areas are weights of the corners, all of the sign of their sum. So the sign of the
-//! volume `a_12 z_0 + a_20 z_1 + a_01 z_2` tells whether the crossing is in front of or behind
+//! volume `a_12 z_0 + a_20 z_1 + a_01 z_2` gives the side of the crossing: in front of or behind
 //! the origin. With `E` the error of an area, the error of the volume is less than `3 E Z`, and
 //! `96 u S² Z` from rounding; the bound in use is `4 E (|z_0| + S)`.
 //!

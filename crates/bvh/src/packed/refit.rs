@@ -8,21 +8,20 @@ use rayon::prelude::*;
 use rotund_geometry::Aabb;
 
 impl<P: Kernel> Packed<P> {
-    /// Moves the primitives of the tree to new places: `primitives[i]` takes the place of the
-    /// `i`-th primitive that the tree was built from. The bounds of all nodes are recomputed
-    /// bottom-up; the topology stays.
+    /// Moves the primitives: `primitives[i]` replaces primitive `i`. The bounds of all nodes are
+    /// recomputed bottom-up; the topology of the tree stays.
     ///
-    /// Answers are those of a tree built anew. Their cost is not: neighbours in the tree that move
-    /// apart make its nodes overlap, and rays visit more of them. Refit while primitives move
-    /// together or by less than the size of a leaf; build a new tree once queries have become
-    /// slower than a build is worth. [`Statistics::sah`](crate::Statistics::sah) tells the expected
-    /// cost of a ray.
+    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart,
+    /// nodes grow and overlap, and rays visit more of them. Refit while primitives move together,
+    /// or by a few of their sizes; build a new tree when queries have slowed down by more than a
+    /// build costs. The expected cost of a ray is [`Statistics::sah`](crate::Statistics::sah):
+    /// `examples/capsules.rs` builds a new tree when it has grown by half.
     ///
     /// # Errors
     ///
-    /// If there are more or fewer primitives than the tree was built from, or if one that no ray
-    /// could hit (a number that is not finite, a sphere without radius) can be hit now or the
-    /// reverse. The tree is then as it was.
+    /// If the number of primitives is not that of the build, or if a primitive that no ray could
+    /// hit at the build (one with a number that is not finite, or a sphere without radius) can be
+    /// hit now or the reverse. The tree is then as it was before the call.
     pub fn refit(&mut self, primitives: &[P]) -> Result<(), RefitError> {
         let ids = self.blocks.iter().flat_map(|block| *block.ids()).filter(|&id| id != NO_ID);
         let bounds = |id: u32| finite_part(primitives[id as usize].tree_bounds());

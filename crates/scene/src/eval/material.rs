@@ -1,15 +1,15 @@
-//! Materials, with textures and vertex colours applied.
+//! Evaluation of materials with textures and vertex colours.
 
 use crate::{MaterialKind, MaterialPoint, Scene};
 use glam::{Vec2, Vec3, Vec4};
 
-/// The narrowest microfacet distribution that is not taken as perfectly smooth: a roughness of 0.03,
-/// squared.
+/// The width of the narrowest microfacet distribution, a roughness of 0.03 squared. Narrower ones
+/// are perfectly smooth.
 const LEAST_ALPHA: f32 = 0.03 * 0.03;
 
 impl Scene {
-    /// The radiance that a point emits, from both sides: that of the material times vertex colour and
-    /// texture, not yet times opacity.
+    /// Returns the radiance that a point emits to both sides: emission of the material times vertex
+    /// colour and texture. Opacity is not applied.
     ///
     /// # Panics
     ///
@@ -28,11 +28,12 @@ impl Scene {
         (material.emission * glow.truncate() * vertex.truncate()).max(Vec3::ZERO)
     }
 
-    /// The material at a point: colour and emission times vertex colour and textures, opacity times
-    /// both alphas, roughness times the green of its texture, scattering times its texture.
+    /// Returns the material at a point: colour and emission times vertex colour and texture,
+    /// opacity times both alphas, roughness times the green of its texture, single-scattering
+    /// albedo times its texture.
     ///
-    /// Matte and glossy surfaces are at least a little rough; the others become perfectly smooth below
-    /// the same bound, which is `alpha` 0.0009.
+    /// `alpha` of matte and glossy surfaces is at least 0.0009. Others with a smaller one are
+    /// perfectly smooth.
     ///
     /// # Panics
     ///
@@ -55,7 +56,7 @@ impl Scene {
 
         let roughness = material.roughness * roughness_texel.y;
         let alpha = roughness * roughness;
-        // Floating-point images may hold less than nothing.
+        // Floating-point images may contain negative values.
         let color = (material.color * vertex.truncate() * color_texel.truncate()).max(Vec3::ZERO);
         let (alpha, extinction) = match material.kind {
             MaterialKind::Matte | MaterialKind::Glossy => {

@@ -1,4 +1,4 @@
-//! What is at a point of a surface, named by `(instance, element, uv)`.
+//! Evaluation of surface points, each given by instance, element and `uv`.
 
 mod environment;
 mod material;

@@ -1,4 +1,4 @@
-//! Shading normals, which ask the element, the method, the material and the viewer.
+//! Shading normals and tangents, by element, method, material and viewer.
 
 use super::{position::transform_normal, weights::Weights};
 use crate::{
@@ -9,10 +9,10 @@ use glam::{Mat3A, Vec2, Vec3};
 use rotund_geometry::UNIT_ROUNDOFF;
 
 impl Scene {
-    /// The shading normal of a point by itself: of unit length, on the outside of a solid, neither turned
-    /// to a viewer nor bounded for one. [`Self::shading_normal`] does both.
+    /// Returns the shading normal of a point without regard to a viewer: of unit length, out of the
+    /// solid, neither turned to a viewer nor bounded for one. [`Self::shading_normal`] does both.
     ///
-    /// Vanilla points and lines have none without a viewer, and give [`Self::eval_normal`].
+    /// That of vanilla points and lines depends on the viewer; here it is [`Self::eval_normal`].
     ///
     /// # Panics
     ///
@@ -23,20 +23,25 @@ impl Scene {
         self.bent_normal(instance, element, uv, geometric)
     }
 
-    /// The normal that light scatters about at a hit, of unit length. `outgoing` points to the viewer and
+    /// Returns the shading normal at a hit, of unit length. `outgoing` points to the viewer and
     /// need not have unit length.
     ///
     /// | element | vanilla | enhanced |
     /// | --- | --- | --- |
-    /// | point | `outgoing` | of the sphere, then the normal map |
-    /// | line | `outgoing`, made orthogonal to the interpolated tangent | of the cone, then the normal map |
-    /// | triangle, quad | of the vertices, else of the face (of a quad the mean of its two triangles); then the normal map | the same, of the patch; then bounded |
+    /// | point | `outgoing` | sphere, normal map |
+    /// | line | `outgoing`, orthogonal to the interpolated tangent | cone, normal map |
+    /// | triangle, quad | vertices or face, normal map | vertices or patch, normal map, bounded |
     ///
-    /// Refractive surfaces keep their side, for it tells in from out; all others turn to the viewer.
+    /// The face normal of a vanilla quad is the mean of those of its two triangles. Vertex normals
+    /// replace it if the shape has them.
     ///
-    /// Bounded means that the mirror image of `outgoing` about the normal is not below the surface, where
-    /// nothing reflects to: else the normal is turned towards the geometric one just so far that it is
-    /// on the surface. Vanilla shapes do as yocto-gl does, and let such light be lost.
+    /// Normals of refractive surfaces keep their side, which distinguishes inside from outside; all
+    /// others are turned to the viewer.
+    ///
+    /// A normal is bounded if the mirror image of `outgoing` about it is not below the surface,
+    /// where no light can be reflected to; otherwise it is turned towards the geometric normal
+    /// until the mirror image is on the surface. Vanilla shapes do as yocto-gl does, which loses
+    /// such light.
     ///
     /// # Panics
     ///
@@ -50,7 +55,7 @@ impl Scene {
         let outgoing = outgoing.normalize_or(hit.normal);
         if shape.method == Method::Enhanced {
             let normal = self.bent_normal(hit.instance, hit.element, hit.uv, hit.normal);
-            // The side of the viewer is that of the surface, not of a normal that only pretends.
+            // The geometric normal decides on the side of the viewer.
             let outside = hit.normal.dot(outgoing) >= 0.0;
             let up = if outside { hit.normal } else { -hit.normal };
             let normal = bounded(if outside { normal } else { -normal }, up, outgoing);
@@ -72,7 +77,7 @@ impl Scene {
         if refractive || normal.dot(outgoing) >= 0.0 { normal } else { -normal }
     }
 
-    /// `geometric`, or what vertices and the normal map make of it.
+    /// Returns the normal of the vertices, or else `geometric`, perturbed by the normal map.
     fn bent_normal(&self, instance: u32, element: u32, uv: Vec2, geometric: Vec3) -> Vec3 {
         let (frame, shape) = self.placed(instance);
         let material = &self.materials[self.instances[instance as usize].material as usize];
@@ -85,7 +90,7 @@ impl Scene {
                 let smooth = Weights::new(shape, element, uv)
                     .of(&shape.normals)
                     .map_or(Vec3::ZERO, |normal| transform_normal(&frame.matrix3, normal));
-                // Vertices without a normal, or with normals that cancel, leave it to the face.
+                // Fall back to the face if vertices have no normals, or if those cancel.
                 if smooth == Vec3::ZERO {
                     face_normal(shape, element, &frame.matrix3, geometric)
                 } else {
@@ -101,12 +106,14 @@ impl Scene {
         }
     }
 
-    /// How the point moves with its texture coordinates, in world space: the derivatives of position
-    /// by `u` and by `v`. Zeros where texture coordinates do not vary, or where it is no finite number: there is
-    /// no such derivative.
+    /// Returns the derivatives of position by the texture coordinates `u` and `v`, in world space.
+    /// They are zero where they do not exist: texture coordinates do not vary, or the result is not
+    /// finite.
     ///
-    /// Those of a patch vary over it. Two triangles share those of the first, as in yocto-gl. Spheres
-    /// and cones give the derivatives by their own parameters; vanilla points and lines none.
+    /// The derivatives of a patch vary over it. Both triangles of a vanilla quad have those of the
+    /// first, as in yocto-gl. Spheres and cones return the derivatives by their own parameters, so
+    /// that the first one of a cone is the tangent along its profile, from the first end to the
+    /// second. Those of vanilla points and lines are zero.
     ///
     /// # Panics
     ///
@@ -116,11 +123,11 @@ impl Scene {
         let (frame, shape) = self.placed(instance);
         let (tu, tv) = shape.tangents(element, uv);
         let (tu, tv) = (frame.transform_vector3(tu), frame.transform_vector3(tv));
-        // Of elements so large, small or flat that single precision cannot tell.
+        // Elements that are extremely large, small or flat overflow `f32`.
         if tu.is_finite() && tv.is_finite() { (tu, tv) } else { (Vec3::ZERO, Vec3::ZERO) }
     }
 
-    /// `normal` bent by a normal map.
+    /// Perturbs `normal` by a normal map.
     fn mapped_normal(
         &self,
         instance: u32,
@@ -134,7 +141,7 @@ impl Scene {
         let (tu, tv) = self.eval_tangents(instance, element, uv);
         let Some(x) = (tu - normal * normal.dot(tu)).try_normalize() else { return normal };
         let y = normal.cross(x);
-        // Rows of an image run down: a map's y points against v.
+        // Rows of an image run down, so the y axis of a normal map is opposite to v.
         if y.dot(tv) >= 0.0 {
             bent.y = -bent.y;
         }
@@ -142,31 +149,33 @@ impl Scene {
     }
 }
 
-/// How far above the surface a mirror image is to be: twice what its height is rounded by here, which is at
-/// most eight units of roundoff for three products and sums of unit vectors.
+/// Least height of a mirror image above the surface: twice the rounding error of the height as
+/// computed here, which is at most eight units of roundoff for three products and sums of unit
+/// vectors.
 const LEAST_RISE: f32 = 16.0 * UNIT_ROUNDOFF;
 
-/// `normal`, or what is as near to it as the mirror image of `outgoing` may be: not below the surface, whose
-/// normal towards the viewer is `up`.
+/// Returns `normal`, turned so far towards `up` that the mirror image of `outgoing` about it is not
+/// below the surface. `up` is the geometric normal on the side of the viewer.
 ///
-/// The mirror image is lifted straight up to the surface; the normal is half way between it and the
-/// viewer. After A. Keller and others, "The Iray Light Transport Simulation and Rendering System", 2017,
-/// appendix on shading normals.
+/// The mirror image is projected to the surface along `up`, and the result is the half vector of it
+/// and `outgoing`. After A. Keller and others, "The Iray Light Transport Simulation and Rendering
+/// System", 2017, appendix on shading normals.
 fn bounded(normal: Vec3, up: Vec3, outgoing: Vec3) -> Vec3 {
     let mirrored = |normal: Vec3| 2.0 * normal.dot(outgoing) * normal - outgoing;
     let image = mirrored(normal);
     let height = image.dot(up);
     if height >= LEAST_RISE {
-        // A mirror image tells a normal not from its opposite.
+        // A normal and its opposite have the same mirror image.
         return if normal.dot(outgoing) >= 0.0 { normal } else { -normal };
     }
     let along = (image - height * up).normalize_or_zero();
     let half = (along + LEAST_RISE * up + outgoing).normalize_or(up);
-    // Where the viewer and the image are nearly opposite, few digits of what is half way are left.
+    // The half vector of nearly opposite directions loses its digits by cancellation.
     if mirrored(half).dot(up) >= 0.5 * LEAST_RISE { half } else { up }
 }
 
-/// The normal of a face: two triangles that stand for a quad share the mean of theirs, as in yocto-gl.
+/// Returns the normal of a face. Both triangles of a vanilla quad have the mean of their normals,
+/// as in yocto-gl.
 fn face_normal(shape: &Shape, element: u32, matrix: &Mat3A, geometric: Vec3) -> Vec3 {
     if shape.elements.kind() != ElementKind::Quads {
         return geometric;
@@ -179,7 +188,7 @@ fn face_normal(shape: &Shape, element: u32, matrix: &Mat3A, geometric: Vec3) -> 
 }
 
 impl Shape {
-    /// In object space.
+    /// Returns the derivatives of position by the texture coordinates, in object space.
     fn tangents(&self, element: u32, uv: Vec2) -> (Vec3, Vec3) {
         match (self.primitive(element), &self.elements) {
             (Primitive::Patch(patch), Elements::Quads(quads)) => {
@@ -216,8 +225,8 @@ impl Shape {
     }
 }
 
-/// The chain rule: position and texture coordinates by the parameters gives position by texture
-/// coordinates.
+/// Returns the derivatives of position by texture coordinates from those of both by the parameters
+/// (chain rule).
 fn by_texcoords(du: Vec3, dv: Vec3, by_u: Vec2, by_v: Vec2) -> (Vec3, Vec3) {
     let determinant = by_u.perp_dot(by_v);
     let (tu, tv) =

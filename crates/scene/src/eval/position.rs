@@ -1,18 +1,18 @@
-//! Positions and geometric normals, rebuilt from an element and its parameters.
+//! Positions and geometric normals rebuilt from element and parameters.
 
 use crate::{Scene, Shape};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
 impl Scene {
-    /// The point of the surface with these parameters, in world space.
+    /// Returns the surface point with these parameters, in world space.
     ///
-    /// With the parameters of a [`crate::SceneHit`] this is its position, within
-    /// `error + 2^-22 (size + distance)`: the error of the hit, and the rounding of `uv` and of the frame in
-    /// proportion to the size of the element in the world and to its distance from the origin.
+    /// For the parameters of a [`crate::SceneHit`] it is within `error + 2^-22 (size + distance)`
+    /// of the position of the hit: the error of the hit, plus the rounding of `uv` and of the frame
+    /// in proportion to the size of the element in the world and to its distance from the origin.
     ///
-    /// What `uv` runs along is on the page of each primitive: [`rotund_geometry::Sphere::position`],
-    /// [`rotund_geometry::RoundedCone::position`] and so on; a vanilla point is its centre and a vanilla
-    /// line its axis.
+    /// [`rotund_geometry::Sphere::position`], [`rotund_geometry::RoundedCone::position`] and so on
+    /// define the parameters. The position of a vanilla point is its centre, that of a vanilla line
+    /// is on the axis.
     ///
     /// # Panics
     ///
@@ -23,8 +23,8 @@ impl Scene {
         frame.transform_point3(shape.primitive(element).position(uv))
     }
 
-    /// The geometric normal there: unit length, out of the solid. Vanilla points and lines have none
-    /// of their own and give an arbitrary direction and the tangent.
+    /// Returns the geometric normal of unit length, out of the solid. Vanilla points and lines have
+    /// none: a point returns an arbitrary direction, a line its tangent.
     ///
     /// # Panics
     ///
@@ -35,18 +35,19 @@ impl Scene {
         transform_normal(&frame.matrix3, shape.primitive(element).normal(uv))
     }
 
-    /// The frame and the shape of an instance.
+    /// Returns the frame and the shape of an instance.
     pub(super) fn placed(&self, instance: u32) -> (&Affine3A, &Shape) {
         let instance = &self.instances[instance as usize];
         (&instance.world_from_object, &self.shapes[instance.shape as usize])
     }
 }
 
-/// A unit normal through a linear map, by the inverse transpose: it stays across the surface, and out
-/// of the solid even if the map mirrors. A normal that is zero stays zero.
+/// Transforms a unit normal by the inverse transpose of a linear map and normalizes it, so that it
+/// stays normal to the surface, and out of the solid even if the map mirrors. Zero stays zero.
 pub(super) fn transform_normal(matrix: &Mat3A, normal: Vec3) -> Vec3 {
     let Mat3A { x_axis: x, y_axis: y, z_axis: z } = *matrix;
-    // The inverse transpose is the matrix of cofactors over the determinant, of which the sign counts.
+    // The inverse transpose is the cofactor matrix over the determinant, of which only the sign
+    // counts.
     let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
     let side = 1.0_f32.copysign(x.dot(yz));
     let normal = Vec3A::from(side * normal);

@@ -5,8 +5,8 @@ use crate::Scene;
 use glam::{Vec2, Vec4};
 
 impl Scene {
-    /// Texture coordinates: interpolated between vertices, or the parameters of the element if the
-    /// vertices have none, so that a sphere is a globe and a tube has stripes.
+    /// Returns texture coordinates: interpolated between vertices, or the parameters of the element
+    /// if the shape has none, which map a globe onto a sphere and stripes onto a tube.
     ///
     /// # Panics
     ///
@@ -20,7 +20,7 @@ impl Scene {
         Weights::new(shape, element, uv).of(&shape.texcoords).unwrap_or(uv)
     }
 
-    /// Vertex colour, linear, and opacity; ones if the vertices have none.
+    /// Returns the interpolated vertex colour, linear, and opacity; ones if the shape has none.
     ///
     /// # Panics
     ///

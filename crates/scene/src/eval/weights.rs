@@ -1,10 +1,10 @@
-//! How much each vertex of an element counts at its parameters.
+//! Interpolation weights of the vertices of an element.
 
 use crate::{Elements, Method, Shape, primitive::Primitive};
 use glam::Vec2;
 use std::ops::{Add, Mul};
 
-/// Vertices and their weights, which sum to 1. Unused places have weight 0 and a vertex in range.
+/// Vertices and their weights, which sum to 1. Unused entries have weight 0 and a valid vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
     vertices: [u32; 4],
@@ -12,8 +12,9 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// Tubes interpolate along their axis, as yocto-gl's lines do: every point of the surface has the
-    /// value of the ball that touches it. Patches are bilinear in everything, two triangles linear in
+    /// Computes the weights at parameters `uv`. Lines interpolate along their axis as in yocto-gl,
+    /// so a point of a rounded cone has the value of the inscribed ball that touches the surface
+    /// there. Patches interpolate bilinearly, and the two triangles of a vanilla quad linearly
     /// each.
     pub(super) fn new(shape: &Shape, element: u32, uv: Vec2) -> Self {
         let (u, v) = (uv.x, uv.y);
@@ -44,7 +45,7 @@ impl Weights {
         }
     }
 
-    /// The weighted sum over a vertex array; `None` if the shape has no such array.
+    /// Returns the weighted sum over a vertex array; `None` if the array is empty.
     pub(super) fn of<T>(&self, array: &[T]) -> Option<T>
     where
         T: Copy + Add<Output = T> + Mul<f32, Output = T>,

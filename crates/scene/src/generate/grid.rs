@@ -1,4 +1,4 @@
-//! Surfaces made of grids of quads.
+//! Surfaces of grids of quads.
 
 use crate::{Elements, Method, Shape};
 use glam::{Vec2, Vec3};
@@ -7,18 +7,18 @@ use glam::{Vec2, Vec3};
 pub(super) struct Vertex {
     pub position: Vec3,
     pub normal: Vec3,
-    /// `v` runs down the image.
+    /// Texture coordinate; `v` runs down the image.
     pub texcoord: Vec2,
 }
 
-/// Which way round the quads go, seen from where `u` runs right and `v` up.
+/// The orientation of quads, seen with `u` to the right and `v` up.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Winding {
     CounterClockwise,
     Clockwise,
 }
 
-/// A shape without elements, for grids to be added to.
+/// Returns a shape without elements, to which grids are added.
 pub(super) fn surface() -> Shape {
     Shape {
         name: String::new(),
@@ -32,7 +32,7 @@ pub(super) fn surface() -> Shape {
     }
 }
 
-/// Adds `columns` by `rows` quads over the unit square: row by row from `v = 0` up.
+/// Adds `columns` by `rows` quads over the unit square, row by row from `v = 0` up.
 pub(super) fn add_grid(
     shape: &mut Shape,
     [columns, rows]: [u32; 2],

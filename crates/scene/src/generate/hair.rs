@@ -1,27 +1,28 @@
-//! Hair that grows from a surface of quads.
+//! Hair on a surface of quads.
 
 use super::{Geometry, STEPS, STRANDS, Unfit, count, grid::surface, noise::vector_noise, positive};
 use crate::{Elements, Shape};
 use glam::{Vec2, Vec3};
 use serde::Deserialize;
 
-/// Strands along the normals of another shape, evenly scattered over it.
+/// Strands along the normals of another shape, evenly distributed over it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Hair {
-    /// What it grows on: any generated surface.
+    /// The surface with the roots: any generated surface.
     on: Box<Geometry>,
     strands: u32,
     /// Segments of each strand.
     steps: u32,
-    /// Of each strand, in meters.
+    /// Length of each strand in meters.
     length: f32,
-    /// At the root and at the tip, in meters.
+    /// Radii at the root and at the tip in meters.
     radius: [f32; 2],
-    /// How far tips are blown aside, in meters, and how many times a meter the wind turns.
+    /// Amplitude of the displacement of tips in meters, and frequency of the noise per meter.
     #[serde(default)]
     noise: [f32; 2],
-    /// How far tips are drawn to the next of some strands, `0.0..=1.0`, and the number of those.
+    /// Weight with which tips move to the nearest of the leading strands, `0.0..=1.0`, and their
+    /// number.
     #[serde(default)]
     clump: Clump,
 }
@@ -33,7 +34,7 @@ struct Clump {
     strands: u32,
 }
 
-/// Where a strand grows.
+/// The root of a strand.
 #[derive(Clone, Copy)]
 struct Root {
     position: Vec3,
@@ -47,9 +48,10 @@ impl Hair {
         let strands = count("strands", self.strands, STRANDS / steps)?;
         positive("radius", self.radius[0].min(self.radius[1]))?;
         let roots = scatter(&self.on.build()?, strands)?;
-        // The strands that others are drawn to are the first ones: they are as evenly scattered.
+        // The first strands lead the clumps, since any prefix of the sequence is evenly
+        // distributed.
         let clumps = if self.clump.strength > 0.0 {
-            // Each strand looks at all of them.
+            // Each strand searches all of them.
             count("clump.strands", self.clump.strands, strands.min(STEPS))? as usize
         } else {
             0
@@ -90,8 +92,8 @@ impl Hair {
     }
 }
 
-/// Evenly over the area of a surface of quads: the first points of Roberts' sequence in three
-/// dimensions choose a quad by its share of the area and a point in it.
+/// Distributes roots evenly over the area of a surface of quads: points of Roberts' sequence in
+/// three dimensions select a quad in proportion to its area, and a point in it.
 ///
 /// Source: M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.
 fn scatter(shape: &Shape, points: u32) -> Result<Vec<Root>, Unfit> {

@@ -1,4 +1,4 @@
-//! Textures: grids to see texture coordinates by, and the sky.
+//! Generated textures: test grids, bumps and the sky.
 
 use super::{STEPS, Unfit, count, positive};
 use crate::{Pixels, Texture};
@@ -7,18 +7,18 @@ use rotund_image::srgb_from_linear;
 use serde::Deserialize;
 use std::f32::consts::PI;
 
-/// Squares, each of a hue of its own, under a fine white grid.
+/// Squares of distinct hues under a fine white grid.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct UvGrid {
-    /// Pixels of a side.
+    /// Size of a side in pixels.
     size: u32,
 }
 
 impl UvGrid {
     pub(super) fn build(&self) -> Result<Texture, Unfit> {
         square_of_bytes(self.size, |u, v| {
-            // Hues run from cell to cell along a row, and on to the next row up.
+            // Hues increase from cell to cell along a row, and continue in the next row up.
             let (column, row) = ((u * 8.0) as u32, ((1.0 - v) * 8.0).min(7.0) as u32);
             let hue = (column + (row + 5) % 8 * 8) as f32 / 64.0;
             let near_line = |x: f32| {
@@ -38,7 +38,7 @@ impl UvGrid {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FloorGrid {
-    /// Pixels of a side.
+    /// Size of a side in pixels.
     pub(super) size: u32,
 }
 
@@ -65,7 +65,7 @@ fn square_of_bytes(size: u32, color: impl Fn(f32, f32) -> Vec3) -> Result<Textur
         for x in 0..size {
             let [r, g, b] = color(x as f32 / size as f32, y as f32 / size as f32)
                 .to_array()
-                // As yocto-gl does, each byte for an equal share of the range.
+                // As in yocto-gl, each byte covers an equal share of the range.
                 .map(|linear| (srgb_from_linear(linear) * 256.0).min(255.0) as u8);
             pixels.push([r, g, b, 255]);
         }
@@ -74,7 +74,7 @@ fn square_of_bytes(size: u32, color: impl Fn(f32, f32) -> Vec3) -> Result<Textur
 }
 
 fn rgb_from_hsv(hue: f32, saturation: f32, value: f32) -> Vec3 {
-    // How far red, green and blue are from their own hue around the circle, in sixths.
+    // Distances of the hue from red, green and blue around the circle, in sixths.
     let channel = |own: f32| {
         let distance = (hue * 6.0 - own).rem_euclid(6.0);
         let full = (distance.min(6.0 - distance) - 1.0).clamp(0.0, 1.0);
@@ -87,13 +87,13 @@ fn rgb_from_hsv(hue: f32, saturation: f32, value: f32) -> Vec3 {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Bumps {
-    /// Pixels of a side.
+    /// Size of a side in pixels.
     size: u32,
-    /// Along a side.
+    /// Number of bumps along a side.
     bumps: u32,
-    /// Of each bump, over its width.
+    /// Height of each bump over its width.
     height: f32,
-    /// Grey heights, white on top, in the place of normals.
+    /// Grey heights instead of normals; the top is white.
     #[serde(default)]
     displacement: bool,
 }
@@ -106,7 +106,7 @@ impl Bumps {
         let mut pixels = Vec::with_capacity(size as usize * size as usize);
         for y in 0..size {
             for x in 0..size {
-                // From the middle of the bump, in its own width, y up.
+                // Offset from the centre of the bump, in units of its width, with y up.
                 let place = |i: u32| (i as f32 * bumps / size as f32).fract() - 0.5;
                 let (x, y) = (place(x), -place(y));
                 // The bump is `height (1 - 4 r²)²`, flat at its rim.
@@ -127,20 +127,21 @@ impl Bumps {
     }
 }
 
-/// A clear sky without the sun, over a ground that reflects it.
+/// A clear sky without the disc of the sun, over a diffuse ground.
 ///
-/// Source: A. J. Preetham, P. Shirley, B. Smits, "A Practical Analytic Model for Daylight", SIGGRAPH
+/// Source: A. J. Preetham, P. Shirley, B. Smits, "A Practical Analytic Model for Daylight",
+/// SIGGRAPH
 /// 1999. Its tables are in the appendix of the paper.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Sky {
-    /// Pixels around the horizon; half as many from zenith to nadir.
+    /// Width in pixels; the height is half of it.
     pub(super) width: u32,
-    /// Of the sun above the horizon; the sun stands in the direction +z.
+    /// Elevation of the sun above the horizon, in the direction +z.
     pub(super) sun_elevation_degrees: f32,
     /// Haziness: 2 is very clear, 6 hazy.
     pub(super) turbidity: f32,
-    /// Of the ground.
+    /// Albedo of the ground.
     #[serde(default)]
     pub(super) ground_albedo: f32,
 }
@@ -178,8 +179,8 @@ impl Sky {
     }
 }
 
-/// Perez's distribution of the luminance and of the chromaticities x and y, each scaled to what it is
-/// at the zenith.
+/// Perez's distribution of luminance and of the chromaticities x and y, each scaled to its value at
+/// the zenith.
 struct Daylight {
     sun: f32,
     zenith: [f32; 3],
@@ -230,7 +231,7 @@ impl Daylight {
             (square * turbidity + linear) * turbidity + constant
         };
         let chi = (4.0 / 9.0 - turbidity / 120.0) * (PI - 2.0 * sun);
-        // In kilocandela per square meter; a tenth of them make radiance of about 1.
+        // Kilocandela per square meter, scaled by a tenth to radiance of about 1.
         let luminance = (4.0453 * turbidity - 4.9710) * chi.tan() - 0.2155 * turbidity + 2.4192;
         Self {
             sun,
@@ -239,12 +240,13 @@ impl Daylight {
         }
     }
 
-    /// Linear RGB from the direction at `theta` from the zenith, whose part along +z is `toward_z`.
+    /// Returns linear RGB for the direction at `theta` from the zenith, whose component along +z is
+    /// `toward_z`.
     fn radiance(&self, theta: f32, toward_z: f32) -> Vec3 {
         let toward_sun = toward_z * self.sun.sin() + theta.cos() * self.sun.cos();
         let gamma = toward_sun.clamp(-1.0, 1.0).acos();
         let distribution = |[a, b, c, d, e]: [f32; 5], theta: f32, gamma: f32| {
-            // At the horizon itself the model has no value.
+            // The model is not defined at the horizon itself.
             (1.0 + a * (b / theta.cos().max(0.001)).exp())
                 * (1.0 + c * (d * gamma).exp() + e * gamma.cos() * gamma.cos())
         };
@@ -253,7 +255,7 @@ impl Daylight {
                 / distribution(self.perez[i], 0.0, self.sun)
         });
         let xyz = Vec3::new(x / y, 1.0, (1.0 - x - y) / y) * luminance;
-        // To the primaries of sRGB (IEC 61966-2-1).
+        // Conversion to the primaries of sRGB (IEC 61966-2-1).
         let rgb = Mat3::from_cols(
             Vec3::new(3.2406, -0.9689, 0.0557),
             Vec3::new(-1.5372, 1.8758, -0.2040),

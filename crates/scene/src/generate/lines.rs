@@ -10,9 +10,9 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub(crate) struct PointsGrid {
     steps: [u32; 2],
-    /// Sides in meters.
+    /// Length of the sides in meters.
     size: [f32; 2],
-    /// Of each point.
+    /// Radius of each point in meters.
     radius: f32,
 }
 
@@ -38,16 +38,16 @@ impl PointsGrid {
     }
 }
 
-/// Lines from left to right, one above the other.
+/// Horizontal lines, one above the other.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LinesGrid {
     /// Segments of each line.
     steps: u32,
     lines: u32,
-    /// Sides in meters.
+    /// Length of the sides in meters.
     size: [f32; 2],
-    /// Of each line, at its left and its right end.
+    /// Radii at the left and the right end of each line in meters.
     radius: [f32; 2],
 }
 

@@ -1,8 +1,8 @@
-//! Shapes and textures that a scene describes by parameters instead of a file.
+//! Generators: shapes and textures given by parameters instead of a file.
 //!
-//! In a scene file, `"generator": { "disk": { "steps": 32, "radius": 0.075 } }` stands in the place of
-//! `"uri"`. The layout of vertices and texture coordinates is that of the shapes that yocto-gl's own test
-//! scenes come with, so that those scenes can be told without their files.
+//! In a scene file, `"generator": { "disk": { "steps": 32, "radius": 0.075 } }` replaces `"uri"`.
+//! Vertices and texture coordinates are laid out as in the shapes of yocto-gl's test scenes, so
+//! that these scenes need no shape files.
 
 mod grid;
 mod hair;
@@ -44,7 +44,7 @@ pub(crate) enum Image {
     Sky(Sky),
 }
 
-/// A parameter that nothing can be made of.
+/// A parameter that is out of range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Unfit {
     pub parameter: &'static str,
@@ -53,7 +53,7 @@ pub(crate) struct Unfit {
 }
 
 impl Geometry {
-    /// A square floor whose texture repeats so many times along a side.
+    /// Returns a square floor whose texture repeats `texture_scale` times along a side.
     pub(crate) fn floor(side: f32, texture_scale: f32) -> Self {
         Self::Rectangle(Rectangle { steps: [1, 1], size: [side, side], texture_scale, floor: true })
     }
@@ -94,7 +94,7 @@ impl Image {
     }
 }
 
-/// A length that has to be there.
+/// Checks a length, which must be positive and finite.
 fn positive(parameter: &'static str, value: f32) -> Result<f32, Unfit> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
@@ -102,7 +102,7 @@ fn positive(parameter: &'static str, value: f32) -> Result<f32, Unfit> {
     Err(Unfit { parameter, value: value.to_string(), expected: "a positive number" })
 }
 
-/// A number of steps or things: at least one, and not so many that memory runs out.
+/// Checks a count, which must be at least one and not so large that memory is exhausted.
 fn count(parameter: &'static str, value: u32, limit: u32) -> Result<u32, Unfit> {
     if (1..=limit).contains(&value) {
         return Ok(value);
@@ -114,7 +114,7 @@ fn count(parameter: &'static str, value: u32, limit: u32) -> Result<u32, Unfit> 
     Err(Unfit { parameter, value: value.to_string(), expected })
 }
 
-/// The most steps along a side: 4096 x 4096 vertices are enough for anybody's grid.
+/// The most steps along a side.
 const STEPS: u32 = 4096;
 
 /// The most strands of hair.

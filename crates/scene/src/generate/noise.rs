@@ -2,15 +2,15 @@
 
 use glam::Vec3;
 
-/// A smooth random vector field of period about 1, each coordinate in `-1.0..=1.0`.
+/// Returns a smooth random vector of wavelength about 1, each coordinate in `-1.0..=1.0`.
 pub(super) fn vector_noise(p: Vec3) -> Vec3 {
-    // Far enough apart that the three fields have nothing to do with each other.
+    // These offsets decorrelate the three coordinates.
     Vec3::new(noise(p), noise(p + Vec3::splat(33.25)), noise(p + Vec3::splat(71.75)))
 }
 
-/// Zero at every lattice point, with a slope of its own at each.
+/// Returns gradient noise: zero at every lattice point, with a random gradient there.
 ///
-/// Source: K. Perlin, "Improving Noise", SIGGRAPH 2002, with a hash in the place of its table.
+/// Source: K. Perlin, "Improving Noise", SIGGRAPH 2002, with a hash instead of its table.
 fn noise(p: Vec3) -> f32 {
     let corner = p.floor();
     let inside = p - corner;
@@ -26,7 +26,7 @@ fn noise(p: Vec3) -> f32 {
     mix(sheet(0), sheet(1), fade.z)
 }
 
-/// One of the twelve directions to the edges of a cube.
+/// Returns one of the twelve directions to the edges of a cube.
 fn gradient(x: i32, y: i32, z: i32) -> Vec3 {
     let mut hash = (x as u32).wrapping_mul(0x8da6_b343)
         ^ (y as u32).wrapping_mul(0xd816_3841)

@@ -10,15 +10,16 @@ use glam::{Vec2, Vec3};
 use serde::Deserialize;
 use std::f32::consts::{PI, TAU};
 
-/// A rectangle in the plane of x and y that faces +z, or a floor: in the plane of x and z, facing +y.
+/// A rectangle in the plane of x and y that faces +z, or a floor: in the plane of x and z, facing
+/// +y.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rectangle {
     #[serde(default = "ones")]
     pub(super) steps: [u32; 2],
-    /// Sides in meters.
+    /// Length of the sides in meters.
     pub(super) size: [f32; 2],
-    /// How often a texture repeats.
+    /// Number of repetitions of a texture along a side.
     #[serde(default = "one")]
     pub(super) texture_scale: f32,
     #[serde(default)]
@@ -53,7 +54,7 @@ impl Rectangle {
     }
 }
 
-/// A disk in the plane of x and y: a square whose concentric rings become ellipses.
+/// A disk in the plane of x and y, mapped from a grid over a square.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Disk {
@@ -68,7 +69,7 @@ impl Disk {
         let mut shape = surface();
         add_grid(&mut shape, [steps, steps], Winding::CounterClockwise, |uv| {
             let square = 2.0 * uv - 1.0;
-            // The elliptical map of the square to the disk: it keeps the axes and both diagonals.
+            // The elliptical map from square to disk, which preserves the axes and both diagonals.
             let across = (Vec2::ONE - 0.5 * square * square).map(f32::sqrt);
             Vertex {
                 position: (radius * square * Vec2::new(across.y, across.x)).extend(0.0),
@@ -80,13 +81,13 @@ impl Disk {
     }
 }
 
-/// A cube, its edges and corners rounded.
+/// A cube with rounded edges and corners.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Cube {
-    /// Along each side.
+    /// Number of quads along each side.
     steps: u32,
-    /// Of a side, in meters.
+    /// Length of a side in meters.
     size: f32,
     /// Radius of the edges, at most half a side.
     #[serde(default)]
@@ -110,11 +111,11 @@ impl Cube {
     }
 }
 
-/// A sphere: a cube of quads, each vertex pushed out to the radius.
+/// A sphere of quads: a cube whose vertices are projected onto the sphere.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct QuadSphere {
-    /// Along each side of the cube.
+    /// Number of quads along each side of the cube.
     steps: u32,
     radius: f32,
 }
@@ -127,11 +128,11 @@ impl QuadSphere {
     }
 }
 
-/// The six faces of the cube from -1 to 1, in the order +z -z +x -x +y -y; `vertex` is given a point of it
-/// and the normal of its face.
+/// Builds a surface from the six faces of the cube from -1 to 1, in the order +z -z +x -x +y -y.
+/// `vertex` maps a point of the cube and the normal of its face to a position and a normal.
 fn cube_map(steps: u32, vertex: impl Fn(Vec3, Vec3) -> (Vec3, Vec3)) -> Shape {
     let mut shape = surface();
-    // Where u runs, where v runs, and the normal.
+    // The directions of u, of v, and of the normal.
     let faces = [
         (Vec3::X, Vec3::Y, Vec3::Z),
         (Vec3::NEG_X, Vec3::Y, Vec3::NEG_Z),
@@ -154,10 +155,10 @@ fn cube_map(steps: u32, vertex: impl Fn(Vec3, Vec3) -> (Vec3, Vec3)) -> Shape {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct UvSphere {
-    /// Around, and from pole to pole.
+    /// Number of quads around the axis, and from pole to pole.
     steps: [u32; 2],
     radius: f32,
-    /// Height of the two caps that are turned inside, as if pushed in.
+    /// Height of the two caps, which are mirrored inwards.
     #[serde(default)]
     flipped_caps: f32,
 }
@@ -188,11 +189,11 @@ impl UvSphere {
     }
 }
 
-/// A cylinder about the z axis, its rims rounded.
+/// A cylinder about the z axis with rounded rims.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct UvCylinder {
-    /// Around, along the side, and from rim to centre.
+    /// Number of quads around the axis, along the side, and from rim to centre.
     steps: [u32; 3],
     radius: f32,
     height: f32,
@@ -209,7 +210,8 @@ impl UvCylinder {
             count("steps", steps, STEPS)?;
         }
         let [around, along, inwards] = self.steps;
-        // A point of the outline, `x` from the axis and `y` along it, on the unrounded cylinder.
+        // `outline` is a point on the cylinder without rounding: its distance from the axis, and
+        // its height.
         let vertex = |uv: Vec2, outline: Vec2, face: Vec2| {
             let inner = Vec2::new(radius, half) - rounding;
             let core = outline.clamp(Vec2::new(0.0, -inner.y), inner);

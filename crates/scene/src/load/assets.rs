@@ -1,4 +1,4 @@
-//! Textures and shapes of a scene: from their files, or from generators.
+//! Textures and shapes of a scene, from files or generators.
 
 use super::{
     context::Context,
@@ -18,17 +18,17 @@ use crate::{
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// Where something comes from, by `uri` or `generator`.
+/// The source of a texture or shape: a file by its `uri`, or a generator.
 struct Source<'s, 'a, G> {
     context: &'s Context<'a>,
-    /// As in `textures[2]`.
+    /// Path of the item in the scene file, as in `textures[2]`.
     field: String,
     uri: Option<&'s String>,
     generator: Option<&'s G>,
 }
 
 impl<G> Source<'_, '_, G> {
-    /// Reads or builds it, whichever the scene says.
+    /// Reads the file or runs the generator.
     fn get<T>(
         &self,
         read: impl Fn(&NamedFile) -> Result<T, LoadError>,
@@ -49,7 +49,7 @@ impl<G> Source<'_, '_, G> {
     }
 }
 
-/// All textures, in order.
+/// Loads all textures, in order.
 pub(super) fn textures(
     context: &mut Context<'_>,
     file: &SceneFile,
@@ -92,7 +92,7 @@ pub(super) fn textures(
     Ok(textures)
 }
 
-/// All shapes, in order; `textures` are for displacement.
+/// Loads all shapes, in order; `textures` serve as displacement maps.
 pub(super) fn shapes(
     context: &mut Context<'_>,
     file: &SceneFile,
@@ -101,7 +101,7 @@ pub(super) fn shapes(
     let subdivs = resolve::subdivs(file).map_err(|problem| context.fail(problem))?;
     let shared = &*context;
     let load = |(i, (key, shape)): (usize, &(Option<String>, ShapeFile))| {
-        // A subdivision takes the place of its shape, whose own file nobody needs.
+        // A subdivision replaces its shape, whose own file is not read.
         let mut numbered = subdivs.iter().enumerate();
         let subdiv = numbered.rfind(|(_, subdiv)| subdiv.shape as usize == i);
         let (mut loaded, warnings) = match subdiv {
@@ -128,7 +128,7 @@ pub(super) fn shapes(
         if let Some(method) = shape.method.or(file.method) {
             loaded.method = method;
         }
-        // Files were checked value by value; generators and subdivisions may overflow.
+        // Values from files are checked already; generators and subdivisions may overflow.
         if shape.generator.is_some() || subdiv.is_some() {
             validate::shape(i, &loaded)
                 .map_err(|error| shared.fail(LoadProblem::Scene { error }))?;
@@ -145,8 +145,8 @@ pub(super) fn shapes(
     Ok(shapes)
 }
 
-/// The scene and the files that it names, except those of shapes that a subdivision replaces and that do
-/// not exist.
+/// Lists the scene file and the files that it names, without those that do not exist because a
+/// subdivision replaces their shape.
 pub(super) fn files(context: &Context<'_>, file: &SceneFile) -> Vec<PathBuf> {
     let textures = file.textures.items.iter().filter_map(|(_, texture)| texture.uri.as_ref());
     let shapes = file.shapes.items.iter().filter_map(|(_, shape)| shape.uri.as_ref());
@@ -165,7 +165,7 @@ fn read_texture(context: &Context<'_>, file: &NamedFile) -> Result<Texture, Load
     image::read(&bytes, format).map_err(|problem| file.fail(problem))
 }
 
-/// The shape, and warnings.
+/// Loads a shape; returns it with warnings.
 fn read_shape(source: &Source<'_, '_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {
     source.get(
         |file| into_shape(read_mesh(source.context, file)?, file, mesh::DEFAULT_RADIUS),
@@ -173,7 +173,7 @@ fn read_shape(source: &Source<'_, '_, Geometry>) -> Result<(Shape, Vec<String>),
     )
 }
 
-/// The shape of a mesh that was read from a file, and warnings.
+/// Converts a mesh that was read from a file; returns the shape with warnings.
 pub(super) fn into_shape(
     mesh: Mesh,
     file: &NamedFile,

@@ -1,4 +1,4 @@
-//! Numbers of a scene file that mean something.
+//! Range checks of the numbers in a scene file.
 
 use super::{
     context::Context,
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::validate::is_invertible;
 
-/// Refuses numbers that no scene can mean, naming the field.
+/// Refuses numbers outside of their range, naming the field.
 pub(super) fn check(context: &mut Context<'_>, file: &SceneFile) -> Result<(), LoadError> {
     let version = file.asset.version.to_string();
     if !["null", "4.0", "4.1", "4.2", "4.3", "5.0"].contains(&version.trim_matches('"')) {
@@ -94,7 +94,7 @@ fn lookat(field: String, frame: glam::Affine3A) -> Result<(), LoadProblem> {
     })
 }
 
-/// Refuses a frame without an inverse that `f32` can hold.
+/// Refuses a frame that is not finite or whose inverse is not.
 pub(super) fn frame(field: String, Frame(frame): Frame) -> Result<(), LoadProblem> {
     if is_invertible(&frame) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Arrays of a scene file, and references into them: by index, or by name in older files.
+//! Arrays of a scene file, and references into them, by index or, in older files, by name.
 
 use serde::de::{
     Deserialize, Deserializer, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer,
@@ -8,7 +8,7 @@ use std::{fmt, marker::PhantomData};
 /// An array, or an object whose keys are names.
 #[derive(Debug)]
 pub(super) struct Collection<T> {
-    /// In the order of the file, with the key if there is one.
+    /// Items in the order of the file, each with its key if there is one.
     pub items: Vec<(Option<String>, T)>,
 }
 
@@ -50,7 +50,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Collection<T> {
     }
 }
 
-/// What is an object; serde would take an array of its fields as well.
+/// Deserializes an object. Derived implementations would accept an array of the fields as well.
 pub(super) fn object<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<T, D::Error> {
@@ -71,7 +71,7 @@ pub(super) fn object<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer.deserialize_map(Fields(PhantomData))
 }
 
-/// A collection of objects.
+/// Deserializes a collection of objects.
 pub(super) fn items<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Collection<T>, D::Error> {
@@ -88,7 +88,7 @@ pub(super) fn items<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     Ok(Collection { items })
 }
 
-/// A collection of which an item may be only the name of a file.
+/// Deserializes a collection whose items are objects or names of files.
 pub(super) fn items_or_files<'de, D, T>(deserializer: D) -> Result<Collection<T>, D::Error>
 where
     D: Deserializer<'de>,
@@ -125,7 +125,7 @@ where
     Ok(Collection { items })
 }
 
-/// An index, or a name. yocto-gl writes -1, or no name, for no reference.
+/// An index or a name. yocto-gl writes -1 or an empty name for no reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Reference {
     Index(i64),

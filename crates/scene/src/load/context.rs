@@ -1,4 +1,4 @@
-//! What all steps of loading share: the scene file, the options, the source of files, and the warnings.
+//! The state that all steps of loading share: scene file, options, source of files, and warnings.
 
 use super::{
     error::{LoadError, LoadProblem, NamedBy},
@@ -16,7 +16,7 @@ pub(super) struct Context<'a> {
     pub scene: PathBuf,
     pub options: LoadOptions,
     pub files: Files<'a>,
-    /// Complete sentences, each with its file.
+    /// Warnings, each with the path of its file.
     pub warnings: Vec<String>,
 }
 
@@ -25,7 +25,7 @@ impl<'a> Context<'a> {
         Self { scene: scene.to_owned(), options: *options, files, warnings: Vec::new() }
     }
 
-    /// The folder that paths in the scene file are relative to.
+    /// Returns the folder that paths in the scene file are relative to.
     pub(super) fn folder(&self) -> &Path {
         self.scene.parent().unwrap_or(Path::new(""))
     }
@@ -35,17 +35,17 @@ impl<'a> Context<'a> {
         self.warnings.push(self.warning(warning));
     }
 
-    /// The text of a warning about the scene file.
+    /// Returns the text of a warning about the scene file.
     pub(super) fn warning(&self, warning: impl Display) -> String {
         format!("{}: {warning}", self.scene.display())
     }
 
-    /// The error that the scene file has this problem.
+    /// Returns the error for a problem of the scene file.
     pub(super) fn fail(&self, problem: LoadProblem) -> LoadError {
         problem.at(&self.scene)
     }
 
-    /// The error that a field of the scene file has a value that is not expected.
+    /// Returns the error for an unexpected value of a field of the scene file.
     pub(super) fn unexpected(
         &self,
         field: impl Into<String>,
@@ -55,8 +55,8 @@ impl<'a> Context<'a> {
         self.fail(LoadProblem::Value { field: field.into(), value: value.to_string(), expected })
     }
 
-    /// The file that `uri`, in `field` of the scene file, names: relative to the folder of the scene, and
-    /// not outside of it unless the options allow that.
+    /// Resolves the `uri` in `field` of the scene file, relative to the folder of the scene;
+    /// refuses a file outside of that folder unless the options allow it.
     pub(super) fn locate(&self, field: String, uri: &str) -> Result<NamedFile, LoadError> {
         let outside = self.files.leads_outside(self.folder(), uri);
         if outside && !self.options.allow_outside_folder {

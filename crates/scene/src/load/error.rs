@@ -1,16 +1,16 @@
-//! Why a file was refused, in words that help to mend it.
+//! Errors of loading: the file, the field that names it, and the problem.
 
 use crate::SceneError;
 use std::{error::Error, fmt, io, path::Path, path::PathBuf};
 
-/// Why a scene, or a file that it names, was refused.
+/// Why a scene cannot be loaded.
 ///
-/// The message says everything, so [`Error::source`] is `None`.
+/// The message is complete, so [`Error::source`] is `None`.
 #[derive(Debug)]
 pub struct LoadError {
-    /// The file that has to be mended, or that cannot be read.
+    /// The file that has the problem.
     pub path: PathBuf,
-    /// The field that names the file; `None` if the caller did.
+    /// The field that names the file; `None` for the path that the caller gave.
     pub named_by: Option<NamedBy>,
     /// What is wrong with the file.
     pub problem: Box<LoadProblem>,
@@ -25,7 +25,7 @@ pub struct NamedBy {
     pub field: String,
 }
 
-/// What is wrong with a file. A `field` is a path inside a scene file, as in `instances[3].shape`.
+/// The problem of a file. `field` is a path inside a scene file, as in `instances[3].shape`.
 #[derive(Debug)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages and the names of the fields say it")]
@@ -40,7 +40,7 @@ pub enum LoadProblem {
         extension: String,
         supported: &'static str,
     },
-    /// Not JSON, or a field of another type than expected; the error says what and where.
+    /// Not JSON, or a field of another type than expected; the error has the position.
     Json {
         field: String,
         error: serde_json::Error,
@@ -105,14 +105,14 @@ pub enum LoadProblem {
     Image {
         problem: String,
     },
-    /// What generators or subdivisions make of numbers that are too large.
+    /// The result of a generator or subdivision is not valid, because its parameters are too large.
     Scene {
         error: SceneError,
     },
 }
 
 impl LoadProblem {
-    /// The error of a file that the caller named.
+    /// Returns the error for this problem of a file that the caller named.
     pub(super) fn at(self, path: &Path) -> LoadError {
         LoadError { path: path.to_owned(), named_by: None, problem: Box::new(self) }
     }
@@ -185,7 +185,7 @@ impl fmt::Display for LoadProblem {
     }
 }
 
-/// The message of serde_json after the field, without the names of Rust's types.
+/// Returns the field and the message of serde_json, without the names of Rust's types.
 fn json_error(field: &str, error: &serde_json::Error) -> String {
     let words = [
         ("expected f32", "expected a number"),
@@ -195,8 +195,8 @@ fn json_error(field: &str, error: &serde_json::Error) -> String {
     let text = words.iter().fold(error.to_string(), |text, (from, to)| text.replace(from, to));
     match field {
         "" => text,
-        // `serde_path_to_error` calls the root `.`. Inside the file, the characters follow a value that
-        // could have ended.
+        // `serde_path_to_error` calls the root `.`. Inside the file, "trailing characters" follow
+        // an array of fixed length.
         "." => text.replace("trailing characters", "too many items"),
         _ => format!("{field}: {}", text.replace("trailing characters", "too many items")),
     }

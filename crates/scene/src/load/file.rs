@@ -1,4 +1,4 @@
-//! Files that a scene names: which may be read, and from where.
+//! Access to the files that a scene names, on disk or in memory.
 
 use super::error::{LoadError, LoadProblem, NamedBy};
 use std::{
@@ -8,12 +8,12 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-/// Where the contents of files come from.
+/// The source of the content of files.
 #[derive(Clone, Copy)]
 pub(super) enum Files<'a> {
     /// The file system.
     Disk,
-    /// A function of the path.
+    /// A function from the path of a file to its content.
     Memory(&'a (dyn Fn(&str) -> Option<Cow<'a, [u8]>> + Sync)),
 }
 
@@ -24,33 +24,33 @@ pub(super) struct NamedFile {
     pub named_by: Option<NamedBy>,
 }
 
-/// A file that can be read.
+/// A file that is open for reading.
 pub(super) enum Opened<'a> {
-    /// With its length in bytes.
+    /// A reader and the length of the file in bytes.
     Disk(BufReader<File>, u64),
     Memory(Cow<'a, [u8]>),
 }
 
 impl NamedFile {
-    /// A file that the caller of the loader names.
+    /// Creates a file that the caller of the loader names.
     pub(super) fn given(path: &Path) -> Self {
         Self { path: path.to_owned(), named_by: None }
     }
 
-    /// The error that this file has this problem.
+    /// Returns the error for a problem of this file.
     pub(super) fn fail(&self, problem: LoadProblem) -> LoadError {
         LoadError { named_by: self.named_by.clone(), ..problem.at(&self.path) }
     }
 
-    /// The extension in lower case.
+    /// Returns the extension in lower case.
     pub(super) fn extension(&self) -> String {
         extension(&self.path)
     }
 }
 
 impl<'a> Files<'a> {
-    /// Opens a regular file. Any other is refused before it is opened, since opening a pipe waits for a
-    /// writer.
+    /// Opens a regular file. Any other is refused before it is opened, since opening a pipe waits
+    /// for a writer.
     pub(super) fn open(&self, file: &NamedFile) -> Result<Opened<'a>, LoadError> {
         let failed = |error: io::Error| file.fail(LoadProblem::Read { error });
         match self {
@@ -102,8 +102,8 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// True if a path, relative to a folder, leads to a file outside of it. A file that does not exist is
-    /// found out when it is opened.
+    /// Returns true if a path, relative to a folder, leads to a file outside of it. Files that do
+    /// not exist are reported on opening.
     pub(super) fn leads_outside(&self, folder: &Path, uri: &str) -> bool {
         let stays = |component| matches!(component, Component::Normal(_) | Component::CurDir);
         if !Path::new(uri).components().all(stays) {
@@ -121,17 +121,17 @@ impl<'a> Files<'a> {
     }
 }
 
-/// The extension in lower case.
+/// Returns the extension in lower case.
 pub(super) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// A path with `/` between its parts, whatever the system.
+/// Returns a path with `/` as the separator on all systems.
 fn slashed(path: &Path) -> String {
     path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
 }
 
-/// The content of a text file without a byte order mark of UTF-8; an error if the mark is that of UTF-16.
+/// Returns the content of a text file without the byte order mark of UTF-8; refuses UTF-16.
 pub(super) fn text(bytes: &[u8]) -> Result<&[u8], LoadProblem> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Err(LoadProblem::Encoding);

@@ -1,4 +1,4 @@
-//! The scene file as it is written: a mirror for serde, with every default of the format.
+//! The structure of scene files for serde, with the defaults of the format.
 
 use super::collection::{Collection, Reference, items, items_or_files, object};
 use crate::{Method, camera::look_at, generate};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer};
 pub(super) struct SceneFile {
     #[serde(deserialize_with = "object")]
     pub asset: AssetFile,
-    /// How elements are met by rays, for shapes that do not say.
+    /// The method of shapes that do not have their own.
     pub method: Option<Method>,
     #[serde(deserialize_with = "items")]
     pub cameras: Collection<CameraFile>,
@@ -31,17 +31,17 @@ pub(super) struct SceneFile {
     pub objects: Collection<InstanceFile>,
 }
 
-/// A scene file, which is an object.
+/// A scene file, which must be an object.
 #[derive(Debug, Deserialize)]
 pub(super) struct Whole(#[serde(deserialize_with = "object")] pub SceneFile);
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct AssetFile {
-    /// A text, but some write a number.
+    /// A string; some files have a number.
     pub version: serde_json::Value,
-    /// Known, so that nobody is warned; what it says matters to people only. Not `IgnoredAny`, which
-    /// counts as unknown.
+    /// Declared so that it is no unknown field; the value is not used. `IgnoredAny` would count as
+    /// unknown.
     #[serde(rename = "copyright")]
     _copyright: serde_json::Value,
     #[serde(rename = "generator")]
@@ -87,7 +87,7 @@ pub(super) struct EnvironmentFile {
 pub(super) struct TextureFile {
     pub name: String,
     pub uri: Option<String>,
-    /// In the folder `textures`, in files of version 4.1.
+    /// A file in the folder `textures`, in version 4.1.
     pub datafile: Option<String>,
     pub generator: Option<generate::Image>,
 }
@@ -117,7 +117,7 @@ pub(super) struct MaterialFile {
     pub name: String,
     #[serde(rename = "type")]
     pub kind: Option<MaterialType>,
-    /// This and the next four say the type in files from before materials had one.
+    /// This and the next four fields determine the type in files older than the field `type`.
     pub specular: f32,
     pub coat: f32,
     pub transmission: f32,
@@ -172,7 +172,7 @@ impl Default for MaterialFile {
 pub(super) struct ShapeFile {
     pub name: String,
     pub uri: Option<String>,
-    /// In the folder `shapes`, in files of version 4.1.
+    /// A file in the folder `shapes`, in version 4.1.
     pub datafile: Option<String>,
     pub generator: Option<generate::Geometry>,
     pub method: Option<Method>,
@@ -190,14 +190,14 @@ impl From<String> for ShapeFile {
     }
 }
 
-/// A control mesh, whose subdivision takes the place of a shape.
+/// A control mesh whose subdivision replaces a shape.
 #[derive(Debug, Deserialize)]
 #[serde(default)]
 pub(super) struct SubdivFile {
     pub name: String,
     pub shape: Option<Reference>,
     pub uri: Option<String>,
-    /// In the folder `subdivs`, in files of version 4.1.
+    /// A file in the folder `subdivs`, in version 4.1.
     pub datafile: Option<String>,
     pub generator: Option<generate::Geometry>,
     pub subdivisions: u32,
@@ -232,12 +232,12 @@ pub(super) struct InstanceFile {
     pub lookat: Option<LookAt>,
     pub shape: Option<Reference>,
     pub material: Option<Reference>,
-    /// The name of a PLY file of frames in the folder `instances`, in files of version 4.0: one instance
-    /// becomes as many as there are.
+    /// The name of a PLY file of frames in the folder `instances`, in version 4.0: the instance is
+    /// repeated for each frame.
     pub instance: Option<String>,
 }
 
-/// Twelve numbers, flat or in four vectors: the axes x, y and z, and the origin.
+/// Twelve numbers, flat or in four vectors: the x, y and z axes and the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame(pub Affine3A);
 
@@ -262,7 +262,7 @@ impl<'de> Deserialize<'de> for Frame {
     }
 }
 
-/// Nine numbers, in files of version 4.0: where one stands, what one looks at, and what is up.
+/// Nine numbers, in version 4.0: eye, target and up vector.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub(super) struct LookAt([f32; 9]);
 
@@ -277,8 +277,9 @@ impl LookAt {
         eye.distance(center)
     }
 
-    /// The frame at the eye whose -z axis points to the centre, of cameras and all else: the early loader
-    /// turned z of the rest around, but the files that yocto-gl itself brought to version 4.2 do not.
+    /// Returns the frame at the eye whose -z axis points to the target. The early loader of
+    /// yocto-gl flipped z for anything but cameras, but the files that it converted to version 4.2
+    /// do not.
     pub(super) fn frame(self) -> Affine3A {
         let [eye, center, up] = self.vectors();
         look_at(eye, center, up)

@@ -26,7 +26,8 @@ pub(super) fn read(bytes: &[u8], format: Format) -> Result<Texture, LoadProblem>
     Ok(Texture { name: String::new(), width, height, pixels })
 }
 
-/// Makes black what is not finite, as renderers leave it here and there, and says how many pixels were.
+/// Replaces pixels that are not finite, which some renderers write, with black ones; returns their
+/// number.
 pub(super) fn mend(texture: &mut Texture) -> usize {
     let Pixels::Floats(pixels) = &mut texture.pixels else { return 0 };
     let mut mended = 0;

@@ -1,4 +1,4 @@
-//! A scene around a lone shape: a point cloud, streamlines or a mesh without a scene file.
+//! Default scenes for a PLY or OBJ file that is loaded by itself, and default cameras.
 
 use super::{assets, context::Context, error::LoadError, file::NamedFile, mesh};
 use crate::{
@@ -8,7 +8,7 @@ use glam::{Affine3A, Mat3A, Vec3};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
 
-/// Frames the shape in a file with a camera, a floor and a sky.
+/// Loads the shape in a file, with a camera, a floor and a sky.
 pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
     let file = NamedFile::given(&context.scene);
     let mesh = assets::read_mesh(context, &file)?;
@@ -33,15 +33,14 @@ pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
     Ok(around(shape, bounds))
 }
 
-/// Beyond this, distances across a scene overflow.
+/// The largest coordinate of a shape whose camera is finite: squares of larger distances overflow.
 const LARGEST: f32 = 1e15;
 
-/// Half the distance to the nearest neighbour that is usual: balls that just touch.
-///
-/// The median over a sample; 0.001 m if there are no neighbours.
+/// Returns half the typical distance to the nearest neighbour, so that spheres just touch: half the
+/// median over a sample, or 0.001 m if there are no neighbours.
 fn default_radius(positions: &[Vec3]) -> f32 {
     const SAMPLE: usize = 33;
-    // Few enough for a cache, in which they are compared with the whole sample.
+    // A block stays in the cache while it is compared with the whole sample.
     const BLOCK: usize = 1 << 10;
     let sample: Vec<Vec3> =
         positions.iter().step_by((positions.len() / SAMPLE).max(1)).copied().collect();
@@ -57,10 +56,10 @@ fn default_radius(positions: &[Vec3]) -> f32 {
     nearest.get(nearest.len() / 2).map_or(mesh::DEFAULT_RADIUS, |square| 0.5 * square.sqrt())
 }
 
-/// The square of the distance to the nearest of the points, given by their coordinates, that is not at
-/// `p` itself; infinite if there is none.
+/// Returns the squared distance from `p` to the nearest of the points, given by their coordinates,
+/// that does not coincide with `p`; infinite if there is none.
 fn nearest_square(p: Vec3, [x, y, z]: &[Vec<f32>; 3]) -> f32 {
-    // As many minima as a register has lanes: they do not wait for one another.
+    // One minimum for each lane of a register, so that the loop vectorizes.
     const LANES: usize = 8;
     let mut nearest = [f32::INFINITY; LANES];
     let (x, y, z) = (x.chunks(LANES), y.chunks(LANES), z.chunks(LANES));
@@ -75,7 +74,8 @@ fn nearest_square(p: Vec3, [x, y, z]: &[Vec<f32>; 3]) -> f32 {
     nearest.into_iter().fold(f32::INFINITY, f32::min)
 }
 
-/// A camera that sees all instances; `None` if there are none, or if they lie beyond what `f32` frames.
+/// Returns a camera that sees all instances; `None` if there are none, or if they are beyond
+/// [`LARGEST`].
 pub(super) fn camera_for(scene: &Scene) -> Option<Camera> {
     let mut bounds = Aabb::EMPTY;
     let mut thickest = 0.0_f32;
@@ -98,7 +98,7 @@ pub(super) fn camera_for(scene: &Scene) -> Option<Camera> {
     fits.then(|| camera_around(bounds, extent(bounds.center(), reach)))
 }
 
-/// Of the vertices.
+/// Returns the bounds of the vertices.
 fn bounds_of(shape: &Shape) -> Aabb {
     let blocks = shape.positions.par_chunks(1 << 14);
     let bounds = blocks.map(|block| Aabb::from_points(block.iter().copied()));
@@ -109,23 +109,24 @@ fn thickest_of(shape: &Shape) -> f32 {
     largest(&shape.radii, |radius| *radius).min(LARGEST)
 }
 
-/// The largest of what is made of each, or 0.
+/// Returns the largest result of `of` over all values, or 0.
 fn largest<T: Sync>(values: &[T], of: impl Fn(&T) -> f32 + Sync) -> f32 {
     let greater = |a: f32, b: f32| if b > a { b } else { a };
     let blocks = values.par_chunks(1 << 14);
     blocks.map(|block| block.iter().map(&of).fold(0.0, greater)).reduce(|| 0.0, greater)
 }
 
-/// The radius of a ball about `center` to be framed, for contents that reach so far from there. A lone point
-/// has an extent as well; and no scene is so small that f32 gives out.
+/// Returns the radius of the ball about `center` that a camera frames, for contents within `reach`
+/// of it. Lower bounds give a single point an extent, and keep tiny scenes within the precision of
+/// `f32`.
 fn extent(center: Vec3, reach: f32) -> f32 {
     reach.max(center.abs().max_element() * 1e-3).max(1e-6)
 }
 
 fn camera_around(bounds: Aabb, extent: f32) -> Camera {
     let camera = Camera { name: "default".to_owned(), ..Camera::default() };
-    // Half the shorter side of the film over the lens is the tangent of half the field of view; stand
-    // where the ball around the shape fills most of it.
+    // Half the shorter side of the film over the lens is the tangent of half the field of view. At
+    // this distance the ball around the shape fills most of it.
     let tangent = 0.5 * camera.film / camera.aspect / camera.lens;
     let distance = 1.1 * extent * (1.0 + tangent * tangent).sqrt() / tangent;
     let z = Vec3::new(0.4, 0.45, 1.0).normalize();

@@ -1,4 +1,4 @@
-//! What a file of geometry holds before it becomes a shape: elements of any kind, unchecked.
+//! Meshes as they are in files, with elements of any kind, and their conversion to shapes.
 
 use super::error::LoadProblem;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Arrays as they come from a file. Indices may be out of range and values may be no numbers.
+/// The arrays of a file, unchecked: indices may be out of range and values may be NaN.
 #[derive(Debug, Default)]
 pub(crate) struct Mesh {
     pub positions: Vec<Vec3>,
@@ -19,13 +19,13 @@ pub(crate) struct Mesh {
     pub points: Vec<u32>,
     pub lines: Vec<[u32; 2]>,
     pub faces: Faces,
-    /// What about the file was odd but not wrong.
+    /// Text of a warning about the file.
     pub oddity: Option<String>,
-    /// Whether the data of vertices are known to be good.
+    /// True if the vertex arrays are known to be valid.
     pub sound: bool,
 }
 
-/// Triangles until the first quad comes.
+/// Faces: triangles until the first quad.
 #[derive(Debug)]
 pub(crate) enum Faces {
     Triangles(Vec<[u32; 3]>),
@@ -39,8 +39,8 @@ impl Default for Faces {
 }
 
 impl Faces {
-    /// Triangles stay triangles until the first quad; after it they repeat their last vertex. Larger
-    /// polygons become a fan.
+    /// Adds a polygon. The first quad converts all triangles to quads that repeat their last
+    /// vertex. Larger polygons are divided into a fan of triangles.
     pub(crate) fn push_polygon(&mut self, polygon: &[u32]) {
         match *polygon {
             [a, b, c] => self.push_triangle(a, b, c),
@@ -79,12 +79,12 @@ impl Faces {
     }
 }
 
-/// The radius of points and lines whose file gives none, in meters.
+/// The radius in meters of points and lines whose file has none.
 pub(crate) const DEFAULT_RADIUS: f32 = 0.001;
 
 impl Mesh {
-    /// Checks everything and keeps what the one kind of elements needs; gives warnings about what was
-    /// mended.
+    /// Checks all arrays and converts the mesh; returns the shape with warnings about values that
+    /// were replaced.
     pub(crate) fn into_shape(
         mut self,
         default_radius: f32,
@@ -134,7 +134,7 @@ impl Mesh {
         Ok((shape, warnings))
     }
 
-    /// One kind of elements, or none but vertices: a cloud.
+    /// Refuses elements of more than one kind. Vertices without elements are a point cloud.
     fn check_kinds(&self) -> Result<(), LoadProblem> {
         let kinds = [
             (!self.points.is_empty(), "points"),
@@ -149,7 +149,8 @@ impl Mesh {
         }
     }
 
-    /// Refuses or mends what no vertex can have; gives warnings about what was mended.
+    /// Refuses invalid vertex data; replaces normals and texture coordinates that are not finite,
+    /// with a warning.
     fn check_vertices(&mut self) -> Result<Vec<String>, LoadProblem> {
         let count = self.positions.len() as u64;
         if count > u64::from(u32::MAX) {
@@ -181,8 +182,7 @@ impl Mesh {
             let expected = "finite numbers that are not negative";
             return bad(i, "color", listed(self.colors[i].as_ref()), expected);
         }
-        // Real files have a few of these where a mesh degenerates, and zero has a meaning: no
-        // normal of its own.
+        // Real files have a few of these where a mesh degenerates. Zero stands for no normal.
         let normals = self.normals.par_iter_mut().filter(|normal| !normal.is_finite());
         let texcoords = self.texcoords.par_iter_mut().filter(|texcoord| !texcoord.is_finite());
         let mended = normals.map(|normal| *normal = Vec3::ZERO).count()
@@ -195,7 +195,7 @@ impl Mesh {
         Ok(warnings)
     }
 
-    /// Makes point `i` vertex `i`.
+    /// Reorders the vertices so that point `i` is vertex `i`.
     fn gather(&mut self, points: &[u32]) -> Result<(), LoadProblem> {
         let points: &[[u32; 1]] = points.as_chunks().0;
         check_indices("point", points, self.positions.len())?;

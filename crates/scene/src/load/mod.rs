@@ -1,4 +1,4 @@
-//! Scenes from files.
+//! Loading of scenes from files and from memory.
 
 mod assets;
 mod check;
@@ -35,15 +35,16 @@ use std::{
 pub struct Loaded {
     /// The scene; [`Scene::validate`] accepts it.
     pub scene: Scene,
-    /// One sentence each, with the file and the field.
+    /// Warnings, each with the file and the field.
     pub warnings: Vec<String>,
     /// The files that the scene was read from, each once.
     pub files: Vec<PathBuf>,
 }
 
-/// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for shapes
-/// and control meshes; PNG, JPEG, HDR and EXR for textures. A PLY or OBJ file by itself becomes a scene
-/// with a camera, a floor and a sky around the shape; a scene without a camera gets one.
+/// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for
+/// shapes and control meshes; PNG, JPEG, HDR and EXR for textures. A PLY or OBJ file by itself
+/// becomes a scene with a camera, a floor and a sky around the shape; a scene without a camera gets
+/// one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// whatever they claim to hold.
@@ -57,18 +58,19 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
     if matches!(file::extension(path).as_str(), "ply" | "obj") {
         return load_lone(context);
     }
-    // The message for a folder says so, whatever its name ends in.
+    // A folder is reported as such even if its name has an unsupported extension.
     drop(context.files.open(&NamedFile::given(path))?);
     check_extension(&context)?;
     let bytes = context.files.read(&NamedFile::given(path))?;
     load_json(context, &bytes)
 }
 
-/// Loads a scene that is in memory, as [`load`] does from the file `name`.
+/// Loads a scene from memory, as [`load`] does from the file `name`.
 ///
-/// `bytes` are the content of that file, and `files` gives the content of each file that the scene names,
-/// by its path with `/` between folders: for the scene `scenes/a.json` that names `shapes/b.ply`, the path
-/// is `scenes/shapes/b.ply`. The extension of `name` tells scenes, in JSON, from shapes in PLY and OBJ.
+/// `bytes` is the content of that file, and `files` returns the content of each file that the scene
+/// names, by its path with `/` as the separator: if `scenes/a.json` names `shapes/b.ply`, the path
+/// is `scenes/shapes/b.ply`. The extension of `name` distinguishes scenes in JSON from shapes in
+/// PLY and OBJ.
 ///
 /// ```
 /// use rotund_scene::{LoadOptions, load_bytes};
@@ -85,7 +87,7 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
 ///
 /// # Errors
 ///
-/// As [`load`]; a file that `files` does not have cannot be read.
+/// As for [`load`]. A file for which `files` returns `None` cannot be read.
 pub fn load_bytes<'a>(
     name: impl AsRef<Path>,
     bytes: &'a [u8],
@@ -108,7 +110,7 @@ fn load_lone(mut context: Context<'_>) -> Result<Loaded, LoadError> {
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
-/// Refuses names that are neither of JSON nor, as those of pipes, without an extension.
+/// Refuses extensions other than `json`. Pipes have none, which is accepted.
 fn check_extension(context: &Context<'_>) -> Result<(), LoadError> {
     match file::extension(&context.scene).as_str() {
         "json" | "" => Ok(()),
@@ -122,12 +124,12 @@ fn unsupported(context: &Context<'_>) -> LoadError {
 }
 
 fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError> {
-    // A PLY file under another name is not JSON with a mistake in its first line.
+    // Report a PLY file with another extension as such, and not as a mistake in JSON.
     if bytes.starts_with(b"ply") {
         return Err(unsupported(&context));
     }
     if context.options.radius.is_some() {
-        context.warn("a radius is for lone PLY and OBJ files, and changes nothing");
+        context.warn("a radius applies to single PLY and OBJ files, and changes nothing here");
     }
     let mut file = parse(&mut context, bytes)?;
     older::spell_out(&context, &mut file);
@@ -143,7 +145,7 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
-/// The JSON, with the path of whatever is wrong in it, and a warning for each unknown field.
+/// Parses the JSON. Errors name the field, and each unknown field adds a warning.
 fn parse(context: &mut Context<'_>, bytes: &[u8]) -> Result<SceneFile, LoadError> {
     let text = file::text(bytes).map_err(|problem| context.fail(problem))?;
     let mut json = serde_json::Deserializer::from_slice(text);
@@ -165,13 +167,13 @@ fn parse(context: &mut Context<'_>, bytes: &[u8]) -> Result<SceneFile, LoadError
     Ok(file)
 }
 
-/// `materials[].shine` of any material, by index or by name: ten thousand with one odd field each are one
-/// oddity.
+/// Returns the path of a field without indices and names of items, as in `materials[].shine`, so
+/// that an unknown field of ten thousand items is one warning.
 fn without_items(path: &serde_ignored::Path<'_>) -> String {
     use serde_ignored::Path;
     let inside = |parent: &Path<'_>, key: &str| match without_items(parent) {
         parent if parent.is_empty() => key.to_owned(),
-        // The names of a collection's items are keys of the second level.
+        // Keys of the second level are names of items.
         parent if COLLECTIONS.contains(&parent.as_str()) => format!("{parent}[]"),
         parent => format!("{parent}.{key}"),
     };
@@ -185,7 +187,7 @@ fn without_items(path: &serde_ignored::Path<'_>) -> String {
     }
 }
 
-/// What may be an object of items by name.
+/// The fields that may be objects, with items by name.
 const COLLECTIONS: [&str; 8] = [
     "cameras",
     "environments",

@@ -1,6 +1,7 @@
-//! Shapes in OBJ files: `v`, `vt`, `vn`, and the elements `f`, `l` and `p`. Everything else is passed over.
+//! Reader of OBJ files: `v`, `vt`, `vn`, and the elements `f`, `l` and `p`. Other statements are
+//! skipped.
 //!
-//! An own reader, for the libraries at hand make triangles of polylines or leave out points.
+//! Available libraries convert polylines to triangles or skip points.
 
 use super::{error::LoadProblem, file, mesh::Mesh};
 use glam::{Vec2, Vec3};
@@ -11,7 +12,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Mesh, LoadProblem> {
     let text = String::from_utf8_lossy(file::text(bytes)?);
     let mut reader = Reader::default();
     let mut begun = String::new();
-    // The last line may be said to go on, too.
+    // The empty line ends a last line with a continuation mark.
     for (number, line) in text.lines().chain([""]).enumerate() {
         if let Some(part) = line.strip_suffix('\\') {
             begun.extend([part, " "]);
@@ -30,13 +31,13 @@ type Corner = (u32, Option<u32>, Option<u32>);
 
 #[derive(Default)]
 struct Reader {
-    /// For messages.
+    /// Number of the current line, for messages.
     line_number: usize,
     positions: Vec<Vec3>,
     texcoords: Vec<Vec2>,
     normals: Vec<Vec3>,
     mesh: Mesh,
-    /// Corners that are vertices of the mesh already.
+    /// The vertex of each corner so far.
     vertices: HashMap<Corner, u32>,
     corners: Vec<Corner>,
 }
@@ -80,13 +81,13 @@ impl Reader {
         Ok(())
     }
 
-    /// A vertex of the mesh for a word like `1`, `1/2`, `1//3` or `1/2/3`. A normal that is not there is no
-    /// error: yocto-gl has written such files, and reads them where nobody asks for the normals.
+    /// Returns the vertex for a word such as `1`, `1/2`, `1//3` or `1/2/3`. A missing normal is a
+    /// warning and no error, since versions of yocto-gl have written such files.
     fn vertex(&mut self, word: &str) -> Result<u32, String> {
         let mut parts = word.split('/');
         let mut index = |count: usize, what: &str| match parts.next() {
             None | Some("") => Ok(None),
-            // From 1 up, or from -1 down for the last ones so far.
+            // Indices count from 1, or backwards from -1, the last one so far.
             Some(part) => part
                 .parse::<i64>()
                 .ok()
@@ -119,7 +120,7 @@ impl Reader {
 
     fn finish(self) -> Mesh {
         let mut mesh = self.mesh;
-        // Vertices that no element names are a cloud, if there are no elements at all.
+        // Vertices without any elements are a point cloud.
         if self.corners.is_empty() {
             mesh.positions = self.positions;
             return mesh;
@@ -139,7 +140,7 @@ impl Reader {
     }
 }
 
-/// The first numbers of a line.
+/// Parses the first `N` numbers of a line.
 fn numbers<'a, const N: usize>(
     mut words: impl Iterator<Item = &'a str>,
 ) -> Result<[f32; N], String> {

@@ -1,14 +1,14 @@
-//! What older versions of the format say otherwise or leave unsaid, told as version 4.2 tells it.
+//! Conversion of older versions of the format to version 4.2.
 //!
-//! | version | arrays | shapes, textures and control meshes | references |
+//! | version | arrays | shapes, textures, control meshes | references |
 //! | --- | --- | --- | --- |
-//! | 4.0, without a number | objects, keyed by name | not listed: a name is a file in a folder of its kind | by name |
-//! | 4.1 | objects, keyed by name | a `datafile`, or only its name, in a folder of its kind | by name |
-//! | 4.2, 4.3, 5.0 | arrays | a `uri` from the folder of the scene | by index |
+//! | 4.0, no number | objects by name | not listed: a file of that name in a folder of its kind | name |
+//! | 4.1 | objects by name | a `datafile` or its name, in a folder of its kind | name |
+//! | 4.2, 4.3, 5.0 | arrays | a `uri` from the folder of the scene | index |
 //!
-//! Forms may be mixed, as in real files. The first files of version 4.0 have materials without a type: how
-//! much they reflect and let through says what they are. Types went by other names in files of early 2021:
-//! `plastic`, `metal`, `glass`, `thinglass`; and `metallic` and `volume` until version 4.2.
+//! A file may mix these forms, as real files do. Materials of early version 4.0 have no type: their
+//! reflection and transmission determine it. Files of early 2021 name types `plastic`, `metal`,
+//! `glass` and `thinglass`, files before version 4.2 `metallic` and `volume`.
 
 use super::{
     collection::{Collection, Reference},
@@ -21,7 +21,7 @@ const SHAPES: &[&str] = &["ply", "obj"];
 const TEXTURES: &[&str] = &["hdr", "exr", "png", "jpg"];
 const SEPARATORS: [char; 2] = ['/', '\\'];
 
-/// Says everything as version 4.2 does, except for references by name.
+/// Converts a file to version 4.2, except for references by name.
 pub(super) fn spell_out(context: &Context<'_>, file: &mut SceneFile) {
     file.instances.items.append(&mut file.objects.items);
     for (_, shape) in &mut file.shapes.items {
@@ -59,8 +59,9 @@ fn kind_without_type(material: &MaterialFile) -> MaterialType {
     }
 }
 
-/// A `uri` for a `datafile`, unless there is one. A lone name of a file that stands only in the folder of
-/// its kind means that file: some converters to version 4.2 left the folder out.
+/// Sets `uri` from `datafile`, unless it is set. A name without a folder refers to a file in the
+/// folder of its kind if it exists only there, since some converters to version 4.2 omitted the
+/// folder.
 fn in_folder(
     context: &Context<'_>,
     kind: &str,
@@ -83,7 +84,7 @@ fn in_folder(
     }
 }
 
-/// Adds a shape or texture for each name that nothing in the file has.
+/// Adds a shape or texture for each name that is referred to but not defined.
 fn list_what_is_only_named(context: &Context<'_>, file: &mut SceneFile) {
     let mut shapes: Vec<_> =
         file.instances.items.iter().filter_map(|(_, instance)| instance.shape.clone()).collect();
@@ -92,7 +93,7 @@ fn list_what_is_only_named(context: &Context<'_>, file: &mut SceneFile) {
     shapes.extend(of_subdivs.iter().cloned());
     for name in missing(shapes, &file.shapes, |shape| &shape.name) {
         let uri = find(context, "shapes", &name, SHAPES);
-        // The shape of a subdivision needs no file of its own.
+        // The shape that a subdivision replaces needs no file.
         if uri.is_some() || of_subdivs.contains(&Reference::Name(name.clone())) {
             let shape = ShapeFile { uri, ..ShapeFile::default() };
             file.shapes.items.push((Some(name), shape));
@@ -121,7 +122,7 @@ fn list_what_is_only_named(context: &Context<'_>, file: &mut SceneFile) {
     }
 }
 
-/// The names, each once, that no item has.
+/// Returns the referenced names, each once, that no item has.
 fn missing<T>(
     references: Vec<Reference>,
     collection: &Collection<T>,
@@ -140,7 +141,8 @@ fn missing<T>(
     names
 }
 
-/// Names with a separator in them are no names of files in a folder.
+/// Returns the file of this name in the folder of its kind, if it exists. Names with a separator
+/// are refused.
 fn find(context: &Context<'_>, kind: &str, name: &str, extensions: &[&str]) -> Option<String> {
     if name.is_empty() || name.contains(SEPARATORS) {
         return None;

@@ -6,10 +6,10 @@ pub struct LoadOptions {
     /// Allow a scene to name files outside its own folder. Off by default, so that a scene from an
     /// untrusted source can read only the files that came with it.
     pub allow_outside_folder: bool,
-    /// Replace a texture that cannot be read with a white one, and add a warning, instead of returning an
-    /// error.
+    /// Replace a texture that cannot be read with a white one, and add a warning, instead of
+    /// returning an error.
     pub keep_going: bool,
-    /// The radius of all points and lines of a PLY or OBJ file that is loaded by itself. By default it is
-    /// the radius in the file, or else half the median distance between neighbouring points.
+    /// The radius of all points and lines of a PLY or OBJ file that is loaded by itself. By default
+    /// it is the radius in the file, or else half the median distance between neighbouring points.
     pub radius: Option<f32>,
 }

@@ -1,4 +1,4 @@
-//! Instances by the hundred: version 4.0 of the format lets an object name a PLY file of frames.
+//! Repeated instances: in version 4.0 of the format an object may name a PLY file of frames.
 
 use super::{
     check,
@@ -9,8 +9,8 @@ use super::{
     ply,
 };
 
-/// Replaces each instance that names a file of frames by one instance for each frame in it: the frame of
-/// the file after its own.
+/// Replaces each instance that names a file of frames by one instance for each frame in it: the
+/// frame of the file after its own.
 pub(super) fn expand(context: &Context<'_>, file: &mut SceneFile) -> Result<(), LoadError> {
     let mut expanded = Vec::new();
     for (i, (key, instance)) in std::mem::take(&mut file.instances.items).into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! From the file's words to the scene's arrays: defaults, references, kinds.
+//! Conversion of a scene file to the arrays of a scene: references, frames, kinds of materials.
 
 use super::{
     collection::{Collection, Reference},
@@ -9,7 +9,7 @@ use super::{
 use crate::{Camera, Environment, Instance, Material, MaterialKind, Scene};
 use std::collections::HashMap;
 
-/// Everything but textures and shapes, whose files are yet to be read.
+/// Converts everything but textures and shapes.
 pub(super) fn resolve(context: &mut Context<'_>, file: &SceneFile) -> Result<Scene, LoadError> {
     for (i, (_, material)) in file.materials.items.iter().enumerate() {
         if material.kind == Some(MaterialType::GltfPbr) {
@@ -36,7 +36,7 @@ fn references(file: &SceneFile) -> Result<Scene, LoadProblem> {
             lens: camera.lens,
             film: camera.film,
             aspect: camera.aspect,
-            // What is looked at is in focus, whatever else is said.
+            // The target of `lookat` is in focus, even if `focus` is given.
             focus: camera
                 .lookat
                 .map(|lookat| lookat.distance())
@@ -97,7 +97,7 @@ fn kind(material: &MaterialFile) -> MaterialKind {
         MaterialType::Matte => MaterialKind::Matte,
         MaterialType::Glossy => MaterialKind::Glossy,
         MaterialType::Reflective => MaterialKind::Reflective,
-        // yocto-gl does with both the same.
+        // yocto-gl renders both alike.
         MaterialType::Refractive | MaterialType::Subsurface => MaterialKind::Refractive,
         MaterialType::Transparent => MaterialKind::Transparent,
         MaterialType::Volumetric => MaterialKind::Volumetric,
@@ -106,15 +106,15 @@ fn kind(material: &MaterialFile) -> MaterialKind {
     }
 }
 
-/// What a subdivision refers to.
+/// The references of a subdivision.
 #[derive(Clone, Copy)]
 pub(super) struct SubdivReferences {
-    /// The shape whose place it takes.
+    /// The shape that it replaces.
     pub shape: u32,
     pub displacement_tex: Option<u32>,
 }
 
-/// One for each subdivision, in order.
+/// Resolves the references of all subdivisions, in order.
 pub(super) fn subdivs(file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadProblem> {
     let textures = Names::new("textures", &file.textures, |texture| &texture.name);
     let shapes = Names::new("shapes", &file.shapes, |shape| &shape.name);
@@ -130,7 +130,7 @@ pub(super) fn subdivs(file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadPro
     file.subdivs.items.iter().enumerate().map(resolve).collect()
 }
 
-/// The items of one array, for references into it.
+/// The names of the items of one array, to resolve references.
 struct Names<'a> {
     what: &'static str,
     count: usize,
@@ -145,7 +145,7 @@ impl<'a> Names<'a> {
     ) -> Self {
         let mut by_name = HashMap::new();
         for (i, (key, item)) in (0..).zip(&collection.items) {
-            // The first of two items with one name counts.
+            // Of items with the same name, the first counts.
             by_name.entry(key.as_ref().unwrap_or_else(|| name(item)).as_str()).or_insert(i);
         }
         Self { what, count: collection.items.len(), by_name }

@@ -8,23 +8,24 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// What to do with a control mesh.
+/// Parameters of a subdivision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Subdivision<'a> {
     pub levels: u32,
-    /// Smooth the surface rather than only split it.
+    /// Smooth the surface by the rule of Catmull and Clark; otherwise only split faces.
     pub catmull_clark: bool,
-    /// Normals at vertices, rather than none.
+    /// Compute vertex normals.
     pub smooth: bool,
-    /// In meters along the normal, times the mean of the four channels of the texture, less 1/2 if they are
-    /// bytes. That alpha counts is yocto-gl's rule: grey from 0 to 1 displaces by -1/4 to 1/2.
+    /// Displacement in meters along the normal for a value of 1, and its texture. The value is the
+    /// mean of the four channels, minus 1/2 for bytes. As in yocto-gl the mean includes alpha, so
+    /// grey from 0 to 1 displaces by -1/4 to 1/2.
     pub displacement: Option<(f32, &'a Texture)>,
 }
 
-/// The most quads that a subdivision may have.
+/// The most quads of a subdivided shape.
 pub(super) const MOST_QUADS: u64 = 1 << 23;
 
-/// How many quads there will be; `None` if the shape has no faces.
+/// Returns the number of quads after subdivision; `None` if the shape has no faces.
 pub(super) fn quads_after(shape: &Shape, levels: u32) -> Option<u64> {
     let corners = match &shape.elements {
         Elements::Triangles(triangles) => 3 * triangles.len() as u64,
@@ -35,8 +36,8 @@ pub(super) fn quads_after(shape: &Shape, levels: u32) -> Option<u64> {
     Some(if levels == 0 { corners / 4 } else { corners.saturating_mul(more) })
 }
 
-/// Points and the polygons over them: the positions of a mesh, or its texture coordinates, whose polygons
-/// are the same but hang together only where no seam is.
+/// Points and polygons over them: the positions of a mesh or its texture coordinates. Both have the
+/// same polygons, but those of texture coordinates are disconnected at seams.
 struct Net {
     points: Vec<Vec3>,
     faces: Vec<Face>,
@@ -55,27 +56,27 @@ impl Face {
     }
 }
 
-/// Where the points of a net go when its faces are split.
+/// How the points of a net move when its faces are split.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rule {
-    /// Nowhere.
+    /// Points stay.
     Split,
-    /// Catmull and Clark's rule, with borders that become curves.
+    /// The rule of Catmull and Clark; borders become B-spline curves.
     Smooth,
-    /// The same inside; borders stay, so that the islands of a texture keep their outlines.
+    /// The same in the interior; borders stay, so that islands of a texture keep their outlines.
     SmoothInside,
 }
 
 struct Surface {
     positions: Net,
-    /// Of the same faces; empty if there are none.
+    /// Texture coordinates of the same faces; empty if there are none.
     texcoords: Net,
 }
 
-/// The subdivided shape, in quads. Vertices in the same place are one, so seams of texture coordinates
-/// stay closed. Colours of vertices are lost, as in yocto-gl.
+/// Subdivides a shape into quads. Vertices at the same position are merged, so that seams of
+/// texture coordinates stay closed. Vertex colours are dropped, as in yocto-gl.
 ///
-/// Without levels and displacement the mesh stays what it is, with the normals of its file.
+/// Without levels and displacement the mesh keeps its vertices and normals.
 pub(super) fn subdivide(shape: &Shape, subdivision: &Subdivision<'_>) -> Shape {
     if subdivision.levels == 0 && subdivision.displacement.is_none() {
         let elements = match &shape.elements {
@@ -110,7 +111,7 @@ fn weld(shape: &Shape) -> Surface {
         .positions
         .iter()
         .map(|&p| {
-            // Adding zero makes one of the two zeros.
+            // Adding zero turns -0 into +0.
             *places.entry((p + 0.0).to_array().map(f32::to_bits)).or_insert_with(|| {
                 positions.points.push(p);
                 positions.points.len() as u32 - 1
@@ -162,16 +163,17 @@ impl Mean {
     }
 }
 
-/// An edge, and the faces beside it.
+/// An edge and its adjacent faces.
 struct Edge {
     ends: [u32; 2],
     faces: Mean,
 }
 
 impl Net {
-    /// Four quads of each quad, three of each triangle.
+    /// Splits each quad into four quads, each triangle into three.
     fn split(&self, rule: Rule) -> Self {
-        // Of each face from each corner to the next; from the last of a triangle again, which nobody asks for.
+        // The edge from each corner of each face to the next. The fourth edge of a triangle is not
+        // used.
         let sides = self.faces.iter().flat_map(|face| {
             let corners = face.corners();
             (0..4).map(|i| {
@@ -202,7 +204,7 @@ impl Net {
         };
         let first_middle = points.len() as u32;
         points.extend(edges.iter().map(|edge| {
-            // An edge of one face is a border.
+            // An edge with a single face is a border.
             if rule != Rule::Split && edge.faces.count > 1 {
                 0.5 * (middle(edge) + edge.faces.get())
             } else {
@@ -225,7 +227,8 @@ impl Net {
         Self { points, faces }
     }
 
-    /// Where the old points go: `(F + 2 R + (n - 3) P) / n` inside, a cubic B-spline on borders.
+    /// Moves the original points: to `(F + 2 R + (n - 3) P) / n` in the interior, by a cubic
+    /// B-spline on borders.
     fn smoothed(
         &self,
         edges: &[Edge],
@@ -251,14 +254,15 @@ impl Net {
             match borders[v].count {
                 0 if n > 0.0 => (faces[v].get() + 2.0 * middles[v].get() + (n - 3.0) * p) / n,
                 2 if rule == Rule::Smooth => 0.5 * (p + borders[v].get()),
-                // Loose, on a border that stays, or where borders cross: it stays.
+                // Unconnected points, fixed borders and crossings of borders stay.
                 _ => p,
             }
         };
         self.points.iter().enumerate().map(place).collect()
     }
 
-    /// Sums of the normals of the faces around each point, by area.
+    /// Computes vertex normals: the normalized sum of the normals of adjacent faces, weighted by
+    /// area.
     fn normals(&self) -> Vec<Vec3> {
         let mut normals = vec![Vec3::ZERO; self.points.len()];
         for face in &self.faces {
@@ -279,7 +283,7 @@ impl Surface {
         let mut heights = vec![Mean::default(); self.positions.points.len()];
         for (face, of_texture) in self.positions.faces.iter().zip(&self.texcoords.faces) {
             for (&vertex, &uv) in face.points.iter().zip(&of_texture.points) {
-                // The mean where a seam of the texture meets: the surface stays closed.
+                // Use the mean height at seams of the texture, so that the surface stays closed.
                 let uv = self.texcoords.points[uv as usize].truncate();
                 let height = texture.data(uv).element_sum() / 4.0;
                 heights[vertex as usize].add(Vec3::splat(height));
@@ -304,7 +308,7 @@ impl Surface {
             colors: Vec::new(),
             radii: Vec::new(),
         };
-        // A vertex for each place in the texture that a point has.
+        // One vertex for each pair of a point and a texture coordinate.
         let corners = self.positions.faces.iter().enumerate().flat_map(|(f, face)| {
             let of_texture = self.texcoords.faces.get(f).map_or([0; 4], |face| face.points);
             face.points
@@ -327,7 +331,8 @@ impl Surface {
     }
 }
 
-/// Numbers from 0 up, the same for keys that are the same: the number of each, and each key by number.
+/// Numbers the distinct keys from 0; returns the number of each key, and the distinct keys in
+/// order.
 fn number(keys: Vec<u64>) -> (Vec<u32>, Vec<u64>) {
     let mut sorted: Vec<(u64, u32)> = keys.into_iter().zip(0..).collect();
     sorted.par_sort_unstable();

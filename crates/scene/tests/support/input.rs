@@ -1,6 +1,7 @@
-//! What bytes of a fuzzer become: a scene file and the file that it names.
+//! Conversion of the bytes of a fuzzer to a scene file and the file that it names.
 
-/// The name and content of the file that a scene names, and the scene; `None` for what is not worth a try.
+/// Returns name and content of the file that the scene names, and the scene; `None` to skip an
+/// input.
 pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<u8>)> {
     match target {
         "ply" | "obj" => {
@@ -9,7 +10,7 @@ pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<
             Some((name, bytes.to_vec(), scene.into_bytes()))
         }
         "texture" => {
-            // The first byte chooses the format.
+            // The first byte selects the format.
             let (first, bytes) = bytes.split_first()?;
             let name = ["image.png", "image.jpg", "image.hdr", "image.exr"][usize::from(first % 4)];
             let scene = AROUND_A_TEXTURE.replace("FILE", name);
@@ -23,11 +24,12 @@ pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<
     }
 }
 
-/// A generator of a million elements makes a good scene that only takes long.
+/// Returns true for scenes that are valid but slow, such as those with generators of a million
+/// elements.
 fn asks_for_much(bytes: &[u8]) -> bool {
     let has = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
     let long = bytes.windows(3).any(|window| window.iter().all(u8::is_ascii_digit));
-    // Each level makes four quads of one, and a generator may have made thousands.
+    // Each level quadruples the quads, of which a generator may create thousands.
     let deepest = if has(b"generator") { b'2' } else { b'4' };
     let deep = bytes.windows(16).any(|w| {
         w.starts_with(b"subdivisions\"") && w.iter().any(|&c| c > deepest && c.is_ascii_digit())

@@ -1,4 +1,4 @@
-//! Scenes built by hand, frames of every kind, and seeded random numbers.
+//! Random shapes, frames of every kind, and seeded random numbers.
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
@@ -11,11 +11,11 @@ use rotund_scene::{Elements, Instance, Material, MaterialKind, Method, Scene, Sh
 pub(crate) mod input;
 pub(crate) mod whole;
 
-/// SplitMix64.
+/// The generator SplitMix64.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    /// In `0.0..1.0`.
+    /// Returns a number in `0.0..1.0`.
     pub(crate) fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -24,7 +24,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
     }
 
-    /// In `-1.0..1.0` in each coordinate.
+    /// Returns a vector with coordinates in `-1.0..1.0`.
     pub(crate) fn vector(&mut self) -> Vec3 {
         2.0 * Vec3::new(self.unit(), self.unit(), self.unit()) - 1.0
     }
@@ -43,7 +43,7 @@ impl Random {
     }
 }
 
-/// A shape with `count` random elements of each kind in `-1..1`, without vertex data.
+/// Returns shapes with `count` random elements of each kind in `-1..1`, without other vertex data.
 pub(crate) fn shapes(random: &mut Random, count: u32, size: f32) -> Vec<Shape> {
     let mut make = |vertices_each: u32, elements: Elements| {
         let mut positions = Vec::new();
@@ -73,7 +73,7 @@ pub(crate) fn shapes(random: &mut Random, count: u32, size: f32) -> Vec<Shape> {
     ]
 }
 
-/// One instance of one shape with a material of this kind.
+/// Returns a scene with one instance of a shape and a material of this kind.
 pub(crate) fn scene_of(shape: Shape, frame: Affine3A, kind: MaterialKind) -> Scene {
     Scene {
         materials: vec![Material { kind, ..Material::default() }],
@@ -88,7 +88,7 @@ pub(crate) fn scene_of(shape: Shape, frame: Affine3A, kind: MaterialKind) -> Sce
     }
 }
 
-/// Why the frame is hard, and the frame.
+/// Returns frames of every kind with their descriptions.
 pub(crate) fn frames() -> Vec<(&'static str, Affine3A)> {
     let turn = Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7);
     let shear = Mat3::from_cols(
@@ -117,7 +117,7 @@ pub(crate) fn frames() -> Vec<(&'static str, Affine3A)> {
     ]
 }
 
-/// A ray from outside towards somewhere near a vertex of the first shape.
+/// Returns a ray from outside towards a point near a random vertex of the first shape.
 pub(crate) fn ray_at(random: &mut Random, scene: &Scene, size: f32) -> Ray {
     let frame = scene.instances[0].world_from_object;
     let positions = &scene.shapes[0].positions;

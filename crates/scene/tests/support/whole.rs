@@ -1,4 +1,4 @@
-//! What has to hold of every scene that loads, whatever its files held.
+//! Invariants of every scene that loads.
 
 use rotund_geometry::{
     Ray,
@@ -6,12 +6,13 @@ use rotund_geometry::{
 };
 use rotund_scene::{Elements, Method, Scene, Trees};
 
-/// Arrays fit together, and rays and evaluation get along with what is in them.
+/// Checks that the scene is valid, and that ray queries and evaluation return finite results.
 ///
 /// # Panics
 ///
-/// If not.
+/// If that is not the case.
 pub(crate) fn check(scene: &Scene) {
+    assert_eq!(scene.validate(), Ok(()));
     let mut size = 0;
     for shape in &scene.shapes {
         let count = shape.positions.len();
@@ -23,7 +24,7 @@ pub(crate) fn check(scene: &Scene) {
                 Elements::Triangles(triangles) => in_range(triangles.as_flattened()),
                 Elements::Quads(quads) => in_range(quads.as_flattened()),
             },
-            "elements name vertices that there are"
+            "elements name existing vertices"
         );
         for length in [shape.normals.len(), shape.texcoords.len(), shape.colors.len()] {
             assert!(length == 0 || length == count, "{length} values at {count} vertices");
@@ -32,7 +33,7 @@ pub(crate) fn check(scene: &Scene) {
         assert!(shape.radii.iter().all(|&r| r.is_finite() && r >= 0.0), "radii are lengths");
         size += shape.elements.count();
     }
-    // Large scenes are no worse than small ones, only slower.
+    // Larger scenes would only be slower.
     if size > 4096 {
         return;
     }

@@ -1,4 +1,4 @@
-//! One exact input as a word that can be pasted: the shape and the bits of each number.
+//! One exact input as a word that can be copied: the shape and the bits of each number.
 //!
 //! `sphere:3f800000,...` lists the numbers of the shape, then origin, direction, `t_min` and
 //! `t_max`, each as the eight hexadecimal digits of its `f32`.
@@ -16,7 +16,7 @@ pub(crate) struct Case {
     numbers: Vec<f32>,
 }
 
-/// Origin, direction and both ends of the interval.
+/// How many numbers define a ray: origin, direction and both ends of the interval.
 const RAY_NUMBERS: usize = 8;
 
 impl Case {
@@ -28,7 +28,7 @@ impl Case {
         Self { shape: S::NAME.to_owned(), numbers }
     }
 
-    /// The shape and the ray, if the case is of this shape.
+    /// Returns the shape and the ray, if the case is of this kind of shape.
     pub(crate) fn as_shape<S: Exact>(&self) -> Option<(S, Ray)> {
         if self.shape != S::NAME || self.numbers.len() != S::NUMBERS + RAY_NUMBERS {
             return None;

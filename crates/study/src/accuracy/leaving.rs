@@ -1,5 +1,5 @@
-//! Whether a ray that leaves a hit meets the same surface again by rounding alone, and how far along
-//! the normal it must start so that it does not.
+//! Self-intersection: does a ray that leaves a hit meet the same surface again because of rounding,
+//! and how far along the normal must it start to avoid that?
 
 use glam::{DVec3, Vec3};
 use rotund_geometry::{Hit, Ray};
@@ -14,7 +14,7 @@ use crate::random::Random;
 use crate::truth::{Crossing, Truth};
 use crate::wide::{Wide, Wide3};
 
-/// The offsets tried, in units of 2⁻²⁴ max(|o|, |p|): none, then powers of two.
+/// The offsets that are tried, in units of 2⁻²⁴ max(|o|, |p|): none, then powers of two.
 const OFFSETS: [u32; 20] = {
     let mut offsets = [0; 20];
     let mut i = 1;
@@ -25,27 +25,27 @@ const OFFSETS: [u32; 20] = {
     offsets
 };
 
-/// A hit of the same patch nearer than this many sizes can be the surface that was left.
+/// A hit of the same patch within this many sizes may be the surface that the ray leaves.
 const NEAR: f64 = 1e-3;
 
-/// How the rays that leave the hits of one row fared.
+/// Self-intersections of the rays that leave the hits of one row.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Leaving {
-    /// Hits from which three outward rays were shot.
+    /// How many hits sent out three rays each.
     pub(crate) hits: usize,
-    /// The share of hits with a self-hit of any of the three rays if they start at the hit itself.
+    /// Share of hits with a self-intersection of any of the three rays if they start at the hit.
     pub(crate) share_without_offset: f64,
-    /// The smallest offset along the normal, in units of 2⁻²⁴ max(|o|, |p|), that was safe: a power of
-    /// two, of 99 % of the hits.
+    /// The smallest power of two, in units of 2⁻²⁴ max(|o|, |p|), that is a safe offset along the
+    /// normal for 99 % of the hits.
     pub(crate) offset_p99: u32,
-    /// Of all hits.
+    /// The same for all hits.
     pub(crate) offset_max: u32,
-    /// Rays from `leave_surface`, outwards and inwards, that met the surface they left.
+    /// Rays that start at `leave_surface`, outwards and inwards, and meet the surface they leave.
     pub(crate) left_badly: usize,
     pub(crate) worst: Option<Worst>,
 }
 
-/// The offsets in the making.
+/// Collects the offsets of a row.
 #[derive(Default)]
 pub(crate) struct LeavingCollector {
     offsets: Vec<u32>,
@@ -58,7 +58,7 @@ impl LeavingCollector {
         self.offsets.len()
     }
 
-    /// Shoots rays from a right hit.
+    /// Shoots rays from a correct hit.
     pub(crate) fn add<S: Measured>(
         &mut self,
         method: &Method<S>,
@@ -68,11 +68,11 @@ impl LeavingCollector {
         truth: &Truth,
         random: &mut Random,
     ) {
-        // Far away all crossings round to one t; the place tells them apart.
+        // From far away all crossings round to one t, so the position identifies the crossing.
         let apart = |c: &Crossing| c.point.to_f64().distance(hit.position.as_dvec3());
         let nearest = truth.crossings.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
         let Some(crossing) = nearest else { return };
-        // Out of a solid, or back to where the ray came from.
+        // Outwards is away from a solid, or back towards the origin of the ray.
         let inwards = !S::CONVEX && crossing.normal.dot(ray.direction.as_dvec3()) > 0.0;
         let out = if inwards { -crossing.normal } else { crossing.normal };
         let directions = outward(out, random);
@@ -91,14 +91,14 @@ impl LeavingCollector {
             self.worst = Some(Worst { what: "offset", value: offset.into(), case });
         }
 
-        // Only a hit that knows its error can say where to start.
+        // Only a hit with an error bound defines where to start.
         if hit.error > 0.0 {
             for direction in directions.into_iter().chain([-directions[0], -directions[1]]) {
                 let origin = hit.spawn(direction).origin;
                 let outwards = direction.as_dvec3().dot(out) > 0.0;
                 let side = if outwards { out } else { -out };
                 let bad = if S::CONVEX && !outwards {
-                    // A ray into a convex solid meets it once, where it leaves.
+                    // A ray into a convex solid meets it once, at its exit.
                     let crossings = shape.crossings(origin.into(), direction.into());
                     crossings.first().is_some_and(|c| c.t > Wide::ZERO)
                 } else {
@@ -130,7 +130,7 @@ impl LeavingCollector {
     }
 }
 
-/// Two directions about `out` and one almost in the tangent plane.
+/// Returns two directions on the side of `out` and one almost in the tangent plane.
 fn outward(out: DVec3, random: &mut Random) -> [Vec3; 3] {
     let mut any = || {
         let d = random.direction();
@@ -141,8 +141,8 @@ fn outward(out: DVec3, random: &mut Random) -> [Vec3; 3] {
     [first, second, tangent].map(|d| d.as_vec3())
 }
 
-/// Whether the ray from `origin`, which should be on the side of `out`, reports the surface around
-/// `left` that it starts from.
+/// Returns whether the ray from `origin`, which should be on the side of `out`, reports the surface
+/// around `left` that it starts from.
 fn meets_itself<S: Measured>(
     method: &Method<S>,
     shape: &S,
@@ -159,8 +159,8 @@ fn meets_itself<S: Measured>(
     if f64::from(again.t) > NEAR * shape.size() {
         return false;
     }
-    // A bent patch can truly be met again close by. It is the same place only if the origin is still
-    // behind the surface, or if there is nothing to be met.
+    // A curved patch can be met again nearby, correctly. It is a self-intersection only if the
+    // origin is still behind the surface, or if the truth has no such hit.
     let gap = left.point - Wide3::from(origin);
     let aside = (gap.to_f64() - out * gap.to_f64().dot(out)).length();
     let through = shape.crossings(origin.into(), out.into());
@@ -174,8 +174,8 @@ fn meets_itself<S: Measured>(
     behind || truth.first().is_none_or(|c| c.t.to_f64() > 2.0 * NEAR * shape.size())
 }
 
-/// Whether two places of a patch belong together. Where it passes through itself, as a bow tie does, another
-/// part of it lies within rounding of the first, and is truly met.
+/// Returns whether two points lie on the same part of a patch. Where a patch intersects itself, as
+/// a bow tie does, another part lies within rounding of the first, and a hit of it is correct.
 fn same_sheet(a: &Crossing, b: &Crossing) -> bool {
     const APART: f64 = 0.1;
     match (a.uv, b.uv) {

@@ -1,4 +1,4 @@
-//! The intersectors under test: the library's own, its vanilla approximations and the published ones.
+//! The intersectors under test: the library's own, its vanilla approximations, published ones.
 
 use glam::Vec3;
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, vanilla};

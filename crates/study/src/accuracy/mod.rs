@@ -1,8 +1,9 @@
 //! `accuracy`: speed against error of every intersector, the library's own and the published ones.
 //!
-//! Rays of the hardest families are solved in 106 bits by formulas that share nothing with the code
-//! under test; every method is held against that. Prints a table for each shape and writes a report
-//! that opens offline. It exists so that each claim about accuracy or speed has a command.
+//! Rays of families that are hard for a known reason are solved in 106 bits, by formulas that share
+//! nothing with the code under test, and every method is compared with that. The command prints
+//! tables for each shape and writes a report that opens offline. It exists so that each claim about
+//! accuracy or speed can be checked.
 
 mod case;
 mod leaving;
@@ -39,36 +40,36 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Only shapes with this in their name: sphere, cone, patch. May be repeated.
+    /// Measure only shapes with this in their name: sphere, cone, patch; may be repeated.
     #[arg(long, value_name = "NAME")]
     shape: Vec<String>,
-    /// Only families with this in their name. May be repeated.
+    /// Measure only families with this in their name; may be repeated.
     #[arg(long, value_name = "NAME")]
     family: Vec<String>,
-    /// Only methods with this in their name. May be repeated.
+    /// Measure only methods with this in their name; may be repeated.
     #[arg(long, value_name = "NAME")]
     method: Vec<String>,
-    /// Rays of each family and level; 25 times as many are aimed at each kind of place where shapes
-    /// meet.
+    /// Rays of each family and level; 25 times as many are aimed at each kind of joint between
+    /// shapes.
     #[arg(long, default_value_t = 10_000, value_name = "COUNT")]
     rays: u64,
-    /// Where the random numbers start.
+    /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write everything that was measured to this file.
+    /// Write all measurements to this JSON file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write index.html, the report, to this directory.
+    /// Write the report, index.html, to this folder.
     #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
     out: PathBuf,
-    /// Fail if one of our own methods misses a target, and list each row that does.
+    /// Fail if one of the library's own methods misses a target, and list each row that does.
     #[arg(long)]
     check: bool,
-    /// Show one case, as reports name it, with the answer of every method.
+    /// Print one case of a report with the answer of every method.
     #[arg(long, value_name = "CASE", exclusive = true)]
     replay: Option<String>,
-    /// Only compare so many hits, of all elements in frames of every kind, with the point and the normal that
-    /// their parameters name.
+    /// Only compare so many hits, of all elements in frames of every kind, with the point and the
+    /// normal that their parameters evaluate to.
     #[arg(
         long,
         value_name = "COUNT",
@@ -80,7 +81,7 @@ pub struct Args {
     no_timing: bool,
 }
 
-/// Measures, prints and writes what the options ask for.
+/// Runs the command.
 ///
 /// # Errors
 ///
@@ -116,7 +117,10 @@ pub fn run(args: Args) -> Result<()> {
         options.all_methods().join(", ")
     );
     let verdicts = targets::verdicts(&study);
-    ensure!(!args.check || !verdicts.is_empty(), "nothing to check: --method leaves out our own");
+    ensure!(
+        !args.check || !verdicts.is_empty(),
+        "nothing to check: --method leaves out the library's own methods"
+    );
     overview::print(&study, &verdicts)?;
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "study": study, "targets": verdicts });
@@ -138,7 +142,7 @@ pub fn run(args: Args) -> Result<()> {
     Ok(())
 }
 
-/// Writes the file in one piece; its folder is made if need be.
+/// Writes a file atomically, and creates its folder if there is none.
 fn write(path: &Path, text: &str) -> Result<()> {
     let folder = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(folder)

@@ -1,4 +1,4 @@
-//! How far the study has come: a bar on a terminal, a line for each shape elsewhere.
+//! Progress of the study: a bar on a terminal, a line for each shape elsewhere.
 
 use std::{
     io::{IsTerminal as _, stderr},
@@ -28,18 +28,18 @@ impl Progress {
         Self { bar, plain, start }
     }
 
-    /// Says nothing.
+    /// Returns a progress that prints nothing.
     #[cfg(test)]
     pub(crate) fn hidden() -> Self {
         Self { bar: ProgressBar::hidden(), plain: false, start: Instant::now() }
     }
 
-    /// A row is done.
+    /// Counts a finished row.
     pub(crate) fn row(&self) {
         self.bar.inc(1);
     }
 
-    /// All rows of a shape are done, and its joints and times.
+    /// Reports that all rows, joints and times of a shape are done.
     pub(crate) fn shape(&self, name: &str, rows: usize) {
         if self.plain {
             eprintln!(
@@ -49,7 +49,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(crate) fn finish(self) {
         self.bar.finish_and_clear();
     }

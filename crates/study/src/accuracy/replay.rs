@@ -1,4 +1,4 @@
-//! `--replay`: one case with the truth and the answer of every method.
+//! `--replay`: prints one case with the truth and the answer of every method.
 
 use super::{case::Case, methods::Measured, tally::Collector};
 use crate::truth::Truth;
@@ -36,7 +36,9 @@ fn show<S: Measured>(case: &Case) -> Result<()> {
         say("truth: a miss\n")?;
     }
     if truth.either {
-        say("a crossing at an end of the interval, or a tangent: both answers are right\n")?;
+        say(
+            "A crossing lies at an end of the interval, or the ray is tangent: both answers are correct.\n",
+        )?;
     }
     let mut table =
         Table::new(&["method", "verdict", "t", "t error", "position error", "normal error, deg"]);

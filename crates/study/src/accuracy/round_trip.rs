@@ -1,9 +1,9 @@
-//! `accuracy --round-trip COUNT`: is the point that the parameters of a hit name the point of the hit?
+//! `accuracy --round-trip COUNT`: do the parameters of a hit evaluate to the point of the hit?
 //!
-//! Random elements of every kind stand in frames that turn, scale, flatten, shear, mirror and carry far away.
-//! Rays are aimed at random parameters of random elements; what they meet is compared with what
-//! `eval_position` and `eval_normal` make of its instance, element and `uv`, and with the bounds that the page of
-//! `rotund-scene` states. Fails if one is passed.
+//! Random elements of every kind are placed by frames that rotate, scale, flatten, shear, mirror
+//! and translate far. Rays are aimed at random parameters of random elements. Each hit is compared
+//! with `eval_position` and `eval_normal` of its instance, element and `uv`, within the bounds that
+//! the documentation of `rotund-scene` states. The command fails if a bound is exceeded.
 
 use anyhow::{Result, ensure};
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec2, Vec3};
@@ -14,19 +14,20 @@ use rotund_scene::{ElementKind, Elements, Instance, Material, Method, Scene, Sha
 use crate::random::Random;
 use rotund_report::console::{Table, say};
 
-/// Of each kind in a scene.
+/// Elements in a scene, all of one kind.
 const ELEMENTS: u32 = 200;
 
-/// Of an element, in a scene of two meters.
+/// Size of an element in meters; the scene measures two.
 const SIZE: f32 = 0.5;
 
-/// Beyond the error of the hit, of the size of an element in the world and its distance from the origin.
+/// Allowed distance beyond the error of the hit, relative to the size of an element in the world
+/// plus its distance from the origin.
 const POSITION: f32 = 2.0 * f32::EPSILON;
 
-/// Between normals, in radians, times [`flattening`].
+/// Allowed angle between normals in radians, to be multiplied by [`flattening`].
 const NORMAL: f64 = 1e-6;
 
-/// Of `uv`: normals may be as far apart as they turn within it, too.
+/// Rounding of `uv`: normals may also differ by as much as they turn within it.
 const PARAMETERS: f64 = 2.0 * f32::EPSILON as f64;
 
 /// Compares at least `count` hits.
@@ -44,15 +45,8 @@ pub(crate) fn run(count: u64, seed: u64) -> Result<()> {
             tally(&scene_of(kind, method, frame, &mut random), name, each, &mut random)
         })
         .collect();
-    let mut table = Table::new(&[
-        "elements",
-        "method",
-        "hits",
-        "apart, of the bound",
-        "worst frame",
-        "normals, of the bound",
-        "worst frame",
-    ]);
+    let mut table =
+        Table::new(&["elements", "method", "hits", "points", "in frame", "normals", "in frame"]);
     let mut within = true;
     let mut hits = 0;
     for (&(kind, method), tallies) in KINDS.iter().zip(tallies.chunks(frames.len())) {
@@ -76,7 +70,7 @@ pub(crate) fn run(count: u64, seed: u64) -> Result<()> {
             in_frame.to_owned(),
         ];
         if is_ribbon(kind, method) {
-            row.push("has none".to_owned());
+            row.push("-".to_owned());
         } else {
             row.extend([format!("{normal:.3}"), turned_in.to_owned()]);
         }
@@ -84,11 +78,13 @@ pub(crate) fn run(count: u64, seed: u64) -> Result<()> {
     }
     say(format!("{table}"))?;
     say(format!(
-        "\n{hits} hits in {} frames. Positions may be error + 2^-22 (size + distance) apart; normals {NORMAL:e} \
-         radians times\nwhat the frame flattens, and what they turn while uv change by 2^-22.",
+        "\n{hits} hits in {} frames. Largest errors of rebuilt points and normals, as shares of\n\
+         their bounds. A point may be error + 2^-22 (size + distance) away; a normal may\n\
+         differ by {NORMAL:e} radians times the condition of the frame, and by as much as it\n\
+         turns while uv change by 2^-22.",
         frames.len()
     ))?;
-    ensure!(within, "a hit is not where its parameters say");
+    ensure!(within, "a hit is farther from the point of its parameters than allowed");
     Ok(())
 }
 
@@ -102,7 +98,7 @@ const KINDS: [(ElementKind, Method); 7] = [
     (ElementKind::Triangles, Method::Enhanced),
 ];
 
-/// They face the ray, which `uv` do not tell.
+/// Returns whether the shape is a ribbon that faces the ray, so that `uv` do not define its normal.
 fn is_ribbon(kind: ElementKind, method: Method) -> bool {
     method == Method::Vanilla && matches!(kind, ElementKind::Points | ElementKind::Lines)
 }
@@ -110,7 +106,7 @@ fn is_ribbon(kind: ElementKind, method: Method) -> bool {
 struct Tally {
     frame: &'static str,
     hits: u64,
-    /// The worst, of what is allowed.
+    /// The largest errors, as shares of their bounds.
     position: f64,
     normal: f64,
 }
@@ -124,7 +120,7 @@ fn tally(scene: &Scene, name: &'static str, hits: u64, random: &mut Random) -> T
     let stretch = matrix.x_axis.length().max(matrix.y_axis.length()).max(matrix.z_axis.length());
     let flattening = flattening(&frame);
     let mut tally = Tally { frame: name, hits: 0, position: 0.0, normal: 0.0 };
-    // Nearly all rays hit; those that pass by must not keep us forever.
+    // Nearly all rays hit; the limit keeps a failing intersector from looping forever.
     for _ in 0..4 * hits {
         if tally.hits == hits {
             break;
@@ -148,8 +144,8 @@ fn tally(scene: &Scene, name: &'static str, hits: u64, random: &mut Random) -> T
     tally
 }
 
-/// How far the normal turns for each unit of `u` and `v`, together: without end where a patch folds, or about
-/// the poles of a needle.
+/// Returns how far the normal turns for each unit of `u` and `v`, summed. There is no limit to it
+/// where a patch folds, and at the poles of a needle.
 fn turning(scene: &Scene, element: u32, uv: Vec2) -> f64 {
     const STEP: f32 = 1.0 / 16_384.0;
     let normal = |uv: Vec2| scene.eval_normal(0, element, uv);
@@ -166,16 +162,16 @@ fn angle(a: Vec3, b: Vec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// What is no number is worse than all.
+/// Returns the larger error; a NaN is the largest.
 fn worse(so_far: f64, next: f64) -> f64 {
     if next.is_nan() { f64::INFINITY } else { so_far.max(next) }
 }
 
-/// How many times more a frame shrinks one direction than another, at most; 1 if it shrinks all alike.
+/// Returns a bound on the condition number of a frame: 1 if it scales all directions alike.
 fn flattening(frame: &Affine3A) -> f64 {
     let matrix = Mat3::from(frame.matrix3).as_dmat3();
     let norm = |m: glam::DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-    // Frobenius norms, which bound the largest and the inverse of the smallest.
+    // Frobenius norms bound the largest singular value and the inverse of the smallest.
     (norm(matrix) * norm(matrix.inverse()) / 3.0).max(1.0)
 }
 
@@ -224,7 +220,7 @@ fn corners<const N: usize>(first: u32) -> [u32; N] {
     std::array::from_fn(|i| first + i as u32)
 }
 
-/// What a frame does, and the frame.
+/// Returns frames of every kind and their names.
 fn frames() -> Vec<(&'static str, Affine3A)> {
     let rotation = Affine3A::from_quat(Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7));
     let scale = |x, y, z| Affine3A::from_scale(Vec3::new(x, y, z));
@@ -243,7 +239,7 @@ fn frames() -> Vec<(&'static str, Affine3A)> {
         ("stretched", rotation * scale(0.1, 3.0, 1.0)),
         ("flattened", rotation.inverse() * scale(1.0, 0.02, 1.0) * rotation),
         ("sheared", sheared * rotation),
-        ("sheared, mirrored, moved", moved(5.0, -7.0, 11.0) * sheared * scale(1.0, -2.0, 0.5)),
+        ("combined", moved(5.0, -7.0, 11.0) * sheared * scale(1.0, -2.0, 0.5)),
         ("far", moved(1e4, -2e4, 3e4) * rotation),
     ]
 }
@@ -251,7 +247,7 @@ fn frames() -> Vec<(&'static str, Affine3A)> {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn hits_are_where_their_parameters_say() {
+    fn the_parameters_of_a_hit_evaluate_to_its_point_and_normal() {
         super::run(20_000, 5).expect("all within the bounds");
     }
 }

@@ -1,5 +1,5 @@
-//! Where shapes meet: sheets of patches that share edges and vertices, and chains of cones that share
-//! a ball. A ray aimed there has exactly one first surface to meet.
+//! Joints between shapes: sheets of patches that share edges and vertices, and chains of cones that
+//! share a ball. A ray aimed at a joint must meet exactly one first surface.
 
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -10,24 +10,24 @@ use super::methods::{Measured, Method};
 use crate::random::Random;
 use crate::truth::{Truth, unit_of};
 
-/// What happened to rays aimed at places where shapes meet.
+/// Results of rays aimed at one kind of joint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Joints {
-    /// Where the rays were aimed.
+    /// The kind of joint, and the distance of the origin.
     pub(crate) place: &'static str,
     pub(crate) method: &'static str,
     pub(crate) rays: usize,
-    /// Rays that met nothing.
+    /// Rays that meet nothing.
     pub(crate) leaks: usize,
-    /// Rays that met two patches of a sheet that they cross once; of cones, rays that met something
-    /// else than the first surface.
+    /// Rays that meet two patches of a sheet that they cross once; for cones, rays whose hit is not
+    /// on the first surface.
     pub(crate) doubles: usize,
 }
 
-/// Rays of one sheet or chain.
+/// How many rays one sheet or chain gets.
 const RAYS_EACH: u64 = 16;
 
-/// All places of patches.
+/// Measures all kinds of joints between patches.
 pub(crate) fn sheets(methods: &[&Method<BilinearPatch>], rays: u64, seed: u64) -> Vec<Joints> {
     let places = [
         ("edge, distance 3", false, 3.0),
@@ -54,7 +54,7 @@ pub(crate) fn sheets(methods: &[&Method<BilinearPatch>], rays: u64, seed: u64) -
     places.into_iter().flat_map(shoot).collect()
 }
 
-/// All places of cones.
+/// Measures all kinds of joints between cones.
 pub(crate) fn chains(methods: &[&Method<RoundedCone>], rays: u64, seed: u64) -> Vec<Joints> {
     let places = [("shared ball", false), ("touching circle", true)];
     let shoot = |(place, circle)| {
@@ -87,7 +87,7 @@ pub(crate) fn chains(methods: &[&Method<RoundedCone>], rays: u64, seed: u64) -> 
     places.into_iter().flat_map(shoot).collect()
 }
 
-/// Counts over all sheets or chains, by all threads, in any order.
+/// Adds the counts of all sheets or chains, on all threads.
 fn together<S: Measured>(
     methods: &[&Method<S>],
     place: &'static str,
@@ -116,7 +116,8 @@ fn together<S: Measured>(
         .reduce(nothing, add)
 }
 
-/// Three by three vertices, moved by up to 0.2 in the plane and 0.15 out of it, in a random frame.
+/// Returns 3 x 3 vertices, jittered by up to 0.2 in the plane and 0.15 out of it, in a random
+/// frame.
 fn sheet_of(random: &mut Random) -> [Vec3; 9] {
     let z = random.direction();
     let x = random.perpendicular(z);
@@ -130,7 +131,7 @@ fn sheet_of(random: &mut Random) -> [Vec3; 9] {
     })
 }
 
-/// The four patches, each with one of the eight orders of its corners.
+/// Returns the four patches, each with one of the eight orders of its corners.
 fn patches_of(random: &mut Random, vertices: &[Vec3; 9]) -> [BilinearPatch; 4] {
     [0, 1, 3, 4].map(|i| {
         let around = [i, i + 1, i + 4, i + 3].map(|j| vertices[j]);
@@ -140,8 +141,8 @@ fn patches_of(random: &mut Random, vertices: &[Vec3; 9]) -> [BilinearPatch; 4] {
     })
 }
 
-/// A ray at the middle vertex or an inner edge, in a direction from which no patch folds over: there
-/// the sheet is crossed exactly once.
+/// Returns a ray at the middle vertex or an inner edge, in a direction along which no patch folds
+/// over, so that it crosses the sheet exactly once.
 fn aim(random: &mut Random, vertices: &[Vec3; 9], vertex: bool, distance: f64) -> Ray {
     let middle = vertices[4].as_dvec3();
     let target = if vertex {
@@ -158,8 +159,8 @@ fn aim(random: &mut Random, vertices: &[Vec3; 9], vertex: bool, distance: f64) -
     }
 }
 
-/// Whether the sheet, seen along `direction`, turns over anywhere. Its Jacobian is linear in each
-/// parameter, so its sign at the corners of each patch decides.
+/// Returns whether the sheet, projected along `direction`, folds over anywhere. The Jacobian of the
+/// projection is linear in each parameter, so its signs at the corners of each patch decide.
 fn folds(vertices: &[Vec3; 9], direction: DVec3) -> bool {
     let turn = |at: usize, right: usize, left: usize| {
         let [at, right, left] = [at, right, left].map(|i| vertices[i].as_dvec3());
@@ -173,12 +174,12 @@ fn folds(vertices: &[Vec3; 9], direction: DVec3) -> bool {
             turn(i + 3, i, i + 4),
         ]
     });
-    // Not nearly folded either: rounding of the ray moves it by 10⁻⁴ at the larger distance.
+    // The margin covers the rounding of the ray, which is 10⁻⁴ at the larger distance.
     let turns = turns.as_flattened();
     !(turns.iter().all(|&t| t > 0.05) || turns.iter().all(|&t| t < -0.05))
 }
 
-/// Two cones that share a ball, in any bend.
+/// Returns two cones that share a ball and make any angle.
 fn chain_of(random: &mut Random) -> [RoundedCone; 2] {
     let joint = (random.direction() * random.range(0.0, 2.0)).as_vec3();
     let radius = random.range(0.2, 0.6) as f32;
@@ -188,12 +189,12 @@ fn chain_of(random: &mut Random) -> [RoundedCone; 2] {
         RoundedCone { p0: joint, r0: radius, p1: p1.as_vec3(), r1 }
     };
     let (mut first, second) = (arm(), arm());
-    // The shared ball is the far end of one and the near end of the other.
+    // The shared ball is p1 of the first cone and p0 of the second.
     (first.p0, first.p1, first.r0, first.r1) = (first.p1, first.p0, first.r1, first.r0);
     [first, second]
 }
 
-/// A ray at the shared ball, or at a circle where it touches one of the cones.
+/// Returns a ray at the shared ball, or at the circle where it touches one of the cones.
 fn aim_at_joint(random: &mut Random, cones: &[RoundedCone; 2], circle: bool) -> Ray {
     let (joint, radius) = (cones[1].p0.as_dvec3(), f64::from(cones[1].r0));
     let target = if circle {

@@ -1,4 +1,4 @@
-//! Runs the methods over the families, the joints and the clock, and holds what came out.
+//! Runs all methods over the families and the joints, times them, and holds the results.
 
 use std::collections::BTreeMap;
 
@@ -18,26 +18,26 @@ use crate::families::{Curve, Row, rows};
 use crate::random::Random;
 use crate::truth::Truth;
 
-/// Hits of a row from which rays are sent on.
+/// How many hits of a row send out rays.
 const LEAVING_HITS: usize = 300;
 
-/// Rays aimed at each kind of place where shapes meet, for each ray of a row.
+/// Rays aimed at each kind of joint, as a multiple of the rays of a row.
 const JOINT_RAYS: u64 = 25;
 
-/// What to run.
+/// What is measured.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// Only these shapes; all if empty. So with the others; a part of a name is enough.
+    /// Parts of the names of shapes; all are measured if it is empty. The next two work alike.
     pub(crate) shapes: Vec<String>,
     pub(crate) families: Vec<String>,
     pub(crate) methods: Vec<String>,
-    /// Rays of each row.
+    /// Rays in each row.
     pub(crate) rays: u64,
     pub(crate) seed: u64,
     pub(crate) timing: bool,
 }
 
-/// One method on one row.
+/// Results of one method on one row.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct MethodResult {
     pub(crate) method: &'static str,
@@ -47,7 +47,7 @@ pub(crate) struct MethodResult {
     pub(crate) leaving: Leaving,
 }
 
-/// One row: a family at a level.
+/// Results of one row, which is a family at a level.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RowResult {
     pub(crate) family: &'static str,
@@ -59,7 +59,7 @@ pub(crate) struct RowResult {
     pub(crate) methods: Vec<MethodResult>,
 }
 
-/// Everything about one shape.
+/// All results of one shape.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ShapeResult {
     pub(crate) shape: &'static str,
@@ -68,7 +68,7 @@ pub(crate) struct ShapeResult {
     pub(crate) timings: Vec<Timing>,
 }
 
-/// Everything.
+/// All results.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Study {
     pub(crate) seed: u64,
@@ -96,7 +96,7 @@ impl Options {
         S::METHODS.iter().filter(|method| Self::has(&self.methods, method.name)).collect()
     }
 
-    /// The names of all rows there are, of any shape.
+    /// Returns the names of all rows of all shapes.
     pub(crate) fn all_rows() -> Vec<String> {
         fn names<S: Measured>() -> impl Iterator<Item = String> {
             rows::<S>().map(|row| format!("  {}: {}", S::NAME, row.label()))
@@ -104,7 +104,7 @@ impl Options {
         names::<Sphere>().chain(names::<RoundedCone>()).chain(names::<BilinearPatch>()).collect()
     }
 
-    /// The names of all methods of the shapes that are asked for.
+    /// Returns the names of all methods of the selected shapes.
     pub(crate) fn all_methods(&self) -> Vec<&'static str> {
         fn names<S: Measured>(shapes: &[String]) -> impl Iterator<Item = &'static str> {
             let asked = Options::has(shapes, S::NAME);
@@ -119,7 +119,7 @@ impl Options {
         all
     }
 
-    /// How many rows the study has.
+    /// Returns how many rows are selected.
     pub(crate) fn row_count(&self) -> usize {
         self.rows::<Sphere>().len()
             + self.rows::<RoundedCone>().len()
@@ -127,7 +127,7 @@ impl Options {
     }
 }
 
-/// Runs all; `progress` counts rows.
+/// Measures all that is selected; `progress` counts rows.
 pub(crate) fn run(options: &Options, progress: &Progress) -> Study {
     let mut shapes = Vec::new();
     shapes.extend(shape::<Sphere>(options, progress, |_| Vec::new()));
@@ -157,7 +157,7 @@ fn shape<S: Measured>(
             result
         })
         .collect();
-    // A family that was asked for by name is not a question about joints.
+    // Joints belong to no family, so a selection of families leaves them out.
     let joints = if options.families.is_empty() { joints(&methods) } else { Vec::new() };
     let timings = if options.timing { timing::time(&methods, options.seed) } else { Vec::new() };
     progress.shape(S::NAME, rows.len());
@@ -206,7 +206,7 @@ fn measure<S: Measured>(row: &Row<S>, methods: &[&Method<S>], options: &Options)
     }
 }
 
-/// One method over all rows of its shape.
+/// Sums and extremes of one method over all rows of its shape.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Summary {
     pub(crate) own: bool,
@@ -218,7 +218,7 @@ pub(crate) struct Summary {
     pub(crate) wrong_roots: usize,
     pub(crate) rows_with_errors: usize,
     pub(crate) invalid: usize,
-    /// The worst row's 99th percentile and maximum.
+    /// 99th percentile and maximum, each of the worst row.
     pub(crate) t: (f64, f64),
     pub(crate) position: (f64, f64),
     pub(crate) on_ray: (f64, f64),
@@ -228,7 +228,7 @@ pub(crate) struct Summary {
 }
 
 impl ShapeResult {
-    /// Method names in the order of the table, each with its sums and worst rows.
+    /// Returns the methods in the order of the table, each with its summary.
     pub(crate) fn summaries(&self) -> Vec<(&'static str, Summary)> {
         let mut order = Vec::new();
         let mut sums: BTreeMap<&str, Summary> = BTreeMap::new();
@@ -260,7 +260,7 @@ impl ShapeResult {
         order.into_iter().filter_map(|name| Some((name, sums.remove(name)?))).collect()
     }
 
-    /// The times of a method.
+    /// Returns the times of a method.
     pub(crate) fn timing(&self, method: &str) -> Option<&Timing> {
         self.timings.iter().find(|timing| timing.method == method)
     }

@@ -1,4 +1,4 @@
-//! What one method did on one row: counts, and how errors are spread.
+//! The results of one method on one row: counts, and percentiles of errors.
 
 use glam::Vec3;
 use rotund_geometry::{Hit, Ray};
@@ -10,10 +10,10 @@ use super::{
 };
 use crate::truth::{Crossing, Truth, unit_of};
 
-/// Half of the rounding of an `f32` of size one.
+/// The unit roundoff of `f32`.
 const UNIT: f64 = 1.0 / 16_777_216.0; // 2⁻²⁴
 
-/// A wrong root is nearer to another crossing, and farther than this from the right one.
+/// A wrong root lies nearer to another crossing, and more than this far from the expected one.
 const WRONG_ROOT_UNITS: f64 = 8.0;
 
 /// Percentiles of an error.
@@ -36,7 +36,7 @@ impl Spread {
     }
 }
 
-/// An input that shows an error, in the words of `--replay`.
+/// An input with a large error, in the format of `--replay`.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Worst {
     pub(crate) what: &'static str,
@@ -44,7 +44,7 @@ pub(crate) struct Worst {
     pub(crate) case: String,
 }
 
-/// Result of one method on one row.
+/// The results of one method on one row.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Tally {
     pub(crate) true_hits: usize,
@@ -54,38 +54,38 @@ pub(crate) struct Tally {
     pub(crate) wrong_roots: usize,
     /// Answers with a number that is not finite.
     pub(crate) invalid: usize,
-    /// Hits farther from the surface than their own bound says.
+    /// Hits farther from the surface than their error bound.
     pub(crate) bounds_broken: usize,
-    /// Rays of which `any` or `closest_t` says something else than `closest`.
+    /// Rays on which `any` or `closest_t` contradicts `closest`.
     pub(crate) queries_differ: usize,
-    /// Units of 2⁻²⁴ t.
+    /// Error of `t` in units of 2⁻²⁴ t.
     pub(crate) t: Spread,
-    /// Distance from the surface, units of 2⁻²⁴ max(|p|, size): the position that comes with the hit.
+    /// Distance of the hit's position from the surface, in units of 2⁻²⁴ max(|p|, size).
     pub(crate) position: Spread,
-    /// The same of o + t d in `f32`.
+    /// The same for o + t d in `f32`.
     pub(crate) on_ray: Spread,
-    /// The same of the position rebuilt from the parameters.
+    /// The same for the position rebuilt from the parameters.
     pub(crate) rebuilt: Spread,
-    /// From the true point to the rebuilt one, same units.
+    /// Distance of the rebuilt position from the true point, in the same units.
     pub(crate) round_trip: Spread,
-    /// From the true parameters of a patch to those of the hit, the larger of both, in 2⁻²⁴.
+    /// Error of the parameters of a patch, the larger of both, in units of 2⁻²⁴.
     pub(crate) uv: Spread,
-    /// Degrees.
+    /// Error of the normal in degrees.
     pub(crate) normal: Spread,
-    /// Degrees, of the normal rebuilt from the parameters.
+    /// The same for the normal rebuilt from the parameters.
     pub(crate) rebuilt_normal: Spread,
     /// The worst case of each kind.
     pub(crate) worst: Vec<Worst>,
 }
 
 impl Tally {
-    /// False misses, false hits, wrong roots and answers that are no numbers.
+    /// Returns the sum of false misses, false hits, wrong roots and answers that are not finite.
     pub(crate) fn false_results(&self) -> usize {
         self.false_misses + self.false_hits + self.wrong_roots + self.invalid
     }
 }
 
-/// A tally in the making.
+/// Collects a tally.
 #[derive(Default)]
 pub(crate) struct Collector {
     tally: Tally,
@@ -100,7 +100,7 @@ pub(crate) struct Collector {
 }
 
 impl Collector {
-    /// Judges the answer of `method` and returns it if it is right.
+    /// Compares the answer of `method` with the truth, and returns it if it is correct.
     pub(crate) fn add<S: Measured>(
         &mut self,
         method: &Method<S>,
@@ -200,9 +200,9 @@ impl Collector {
         }
     }
 
-    /// Keeps the case if it is the worst of its kind so far.
+    /// Keeps the case if its error is the largest of its kind so far.
     fn worst(&mut self, what: &'static str, value: f64, case: impl Fn() -> String) {
-        // A NaN is the worst of all.
+        // A NaN is the largest error.
         let value = if value.is_nan() { f64::INFINITY } else { value };
         match self.tally.worst.iter_mut().find(|worst| worst.what == what) {
             Some(worst) if worst.value >= value => {}
@@ -226,14 +226,15 @@ impl Collector {
     }
 }
 
-/// The angle, in degrees, that has the chord from `found` to the true normal, so that a length other
-/// than one is an error too.
+/// Returns the angle in degrees that subtends the chord from `found` to the true normal, so that a
+/// length other than one counts as an error too.
 fn normal_error(found: Vec3, crossing: &Crossing) -> f64 {
     let chord = found.as_dvec3().distance(crossing.normal);
     (2.0 * (0.5 * chord).min(1.0).asin()).to_degrees()
 }
 
-/// Where a surface crosses itself, the crossings that share the place of the expected one: each is true.
+/// Returns the crossings at the place of the expected one: where a surface intersects itself, each
+/// of them is correct.
 fn same_place<'a>(truth: &'a Truth, expected: &'a Crossing) -> impl Iterator<Item = &'a Crossing> {
     let t = expected.t.to_f64();
     truth.crossings.iter().filter(move |c| (c.t.to_f64() - t).abs() <= 1e-12 * t.abs())

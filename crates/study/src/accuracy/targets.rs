@@ -1,38 +1,39 @@
-//! What the library's own intersectors have to reach, and whether they do.
+//! The targets of the library's own intersectors, and whether they are met.
 
 use serde::Serialize;
 
 use super::study::{MethodResult, RowResult, ShapeResult, Study};
 
-/// One target on one shape: the worst value over all rows, and every row that misses it.
+/// The result of one target on one shape: the worst value over all rows, and the rows that miss it.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Verdict {
     pub(crate) shape: &'static str,
     pub(crate) what: &'static str,
-    /// The usual limit; a row can have another.
+    /// The limit of most rows; few have another.
     pub(crate) limit: String,
     pub(crate) worst: f64,
     pub(crate) met: bool,
-    /// Row, value and limit of each miss.
+    /// Row, value and limit of each miss, as text.
     pub(crate) misses: Vec<String>,
 }
 
-/// A quantity of a row with its limit there.
+/// A quantity of a row, and its limit on that row.
 struct Target {
     what: &'static str,
     limit: fn(&str, &RowResult) -> f64,
     value: fn(&MethodResult) -> f64,
 }
 
-/// A correctly rounded `t` is one unit off at most; the solution before rounding may be off by what
-/// `f64` loses in it.
+/// A correctly rounded `t` has an error of at most one unit. The rest allows for the error of the
+/// `f64` solution before rounding.
 const T_LIMIT: f64 = 1.001;
 
 const TARGETS: &[Target] = &[
     Target {
         what: "false misses, false hits, wrong roots",
         limit: |_, row| match (row.family, row.level) {
-            // A ray in the surface: 1 % of the rays.
+            // Such a ray lies in the surface, so its hit is not defined; 1 % of the rays may
+            // differ.
             ("parallel to a ruling", 0.0) => {
                 0.01 * row.methods.first().map_or(0, |m| m.tally.true_hits + m.tally.true_misses)
                     as f64
@@ -50,7 +51,7 @@ const TARGETS: &[Target] = &[
         value: |m| m.tally.t.max,
     },
     Target {
-        what: "position from the surface, max, 2⁻²⁴ max(|p|, size)",
+        what: "position error, max, 2⁻²⁴ max(|p|, size)",
         limit: |_, _| 1.5,
         value: |m| m.tally.position.max,
     },
@@ -65,27 +66,27 @@ const TARGETS: &[Target] = &[
         value: |m| m.tally.normal.max,
     },
     Target {
-        what: "hits farther from the surface than their bound",
+        what: "hits outside of their error bound",
         limit: |_, _| 0.0,
         value: |m| m.tally.bounds_broken as f64,
     },
     Target {
-        what: "rays of which any, closest_t and closest differ",
+        what: "rays on which the three queries differ",
         limit: |_, _| 0.0,
         value: |m| m.tally.queries_differ as f64,
     },
     Target {
-        what: "safe offset along n, max, 2⁻²⁴ max(|o|, |p|)",
+        what: "safe offset, max, 2⁻²⁴ max(|o|, |p|)",
         limit: |shape, _| if shape == "patch" { 16.0 } else { 2.0 },
         value: |m| m.leaving.offset_max.into(),
     },
     Target {
-        what: "safe offset along n, p99",
+        what: "safe offset, p99, same unit",
         limit: |shape, _| if shape == "patch" { 4.0 } else { 2.0 },
         value: |m| m.leaving.offset_p99.into(),
     },
     Target {
-        what: "rays that left a hit by leave_surface and met it again",
+        what: "self-hits after leave_surface",
         limit: |_, _| 0.0,
         value: |m| m.leaving.left_badly as f64,
     },
@@ -94,18 +95,18 @@ const TARGETS: &[Target] = &[
 fn normal_limit(shape: &str, row: &RowResult) -> f64 {
     match (shape, row.family, row.level) {
         ("cone", "long and thin", level) if level >= 1e5 => 1e-2,
-        // Between the limits of 1e3 and 1e5, on a logarithmic scale.
+        // Interpolates the limits of 1e3 and 1e5 on a logarithmic scale.
         ("cone", "long and thin", level) if level > 1e3 => 3e-4,
         ("patch", "sliver", _) => 1e-2,
         ("patch", "bow tie", _) => 0.05,
-        // Along a ruling the point itself is not defined.
+        // On a ray along a ruling the point of the hit is not defined.
         ("patch", "parallel to a ruling", 0.0) => f64::INFINITY,
         ("patch", ..) => 2e-5,
         _ => 1e-5,
     }
 }
 
-/// Shape, published method, and how much time the own method may take compared with it.
+/// Shape, published method, and the largest allowed ratio of our time to that of the method.
 const TIMES: &[(&str, &str, f64)] = &[
     ("sphere", "textbook", 1.5),
     ("sphere", "Haines et al.", 1.1),
@@ -115,7 +116,7 @@ const TIMES: &[(&str, &str, f64)] = &[
     ("patch", "two triangles", 1.5),
 ];
 
-/// All targets of all shapes in the study.
+/// Evaluates all targets of all shapes in the study.
 pub(crate) fn verdicts(study: &Study) -> Vec<Verdict> {
     study
         .shapes
@@ -205,7 +206,7 @@ fn of_times(shape: &ShapeResult) -> Vec<Verdict> {
     TIMES.iter().filter(|(name, ..)| *name == shape.shape).filter_map(verdict).collect()
 }
 
-/// Three digits, whatever the size.
+/// Formats a number with about three digits, whatever its magnitude.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
@@ -241,7 +242,7 @@ mod tests {
         let mut study = study::run(&options, &Progress::hidden());
         assert!(verdicts(&study).iter().all(|v| v.met), "{:#?}", verdicts(&study));
 
-        // The textbook's results under the own name.
+        // Plants the results of the textbook's method under our name.
         for row in &mut study.shapes[0].rows {
             let textbook = row.methods.pop().expect("two methods");
             row.methods[0].tally = textbook.tally;

@@ -1,14 +1,13 @@
 //! Nanoseconds of one test: a call that is not inlined and returns t, position and normal.
 //!
-//! The clock is the processor time of the thread, so what other programs take is not counted; what they
-//! do to the caches is. The methods take turns, round by round, so that whatever slows the machine down
-//! slows all of them; the median over the rounds is reported, and how far the middle half of them
-//! spreads. The loop around the call is part of the time and reported by itself as the method that does
-//! nothing.
+//! The clock is the CPU time of the thread, so the time of other programs is not counted, but their
+//! effect on the caches is. The methods take turns, round by round, so that a disturbance slows all
+//! of them alike. Reported are the median over the rounds and the interquartile range. The loop
+//! around the call is part of the time; it is also reported alone, as a method that does nothing.
 //!
-//! A processor learns the branches of rays that come again and again. Most figures in print are of that
-//! kind, and so are `mixed`, `hits` and `misses`; `fresh` is of rays that come once in a round, in far
-//! greater number than a predictor remembers, which is what a renderer sees.
+//! The branch predictor learns rays that are repeated. Most published figures are of that kind, and
+//! so are `mixed`, `hits` and `misses`. `fresh` uses rays that occur once in a round, far more of
+//! them than a predictor remembers, as in a renderer.
 
 use std::hint::black_box;
 
@@ -21,13 +20,13 @@ use crate::families::rows;
 use crate::random::Random;
 use crate::truth::Truth;
 
-/// Pairs of a shape and a ray that are repeated.
+/// How many pairs of a shape and a ray are repeated.
 const PAIRS: usize = 1024;
 
-/// Pairs that are not.
+/// How many pairs are not repeated within a round.
 const FRESH_PAIRS: usize = 16 * PAIRS;
 
-/// Rounds of all methods; in each, the pairs are repeated unseen by the clock and then seen by it.
+/// Rounds of all methods; each has sweeps over the pairs that warm up, and sweeps that are timed.
 const ROUNDS: usize = 21;
 const LEARNING_SWEEPS: usize = 20;
 const SWEEPS: usize = 40;
@@ -36,38 +35,38 @@ const SWEEPS: usize = 40;
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Nanoseconds {
     pub(crate) median: f64,
-    /// From the first to the third quartile.
+    /// The interquartile range.
     pub(crate) spread: f64,
 }
 
-/// What a test of one method costs.
+/// The cost of one test by one method.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Timing {
     pub(crate) shape: &'static str,
     pub(crate) method: &'static str,
-    /// Half of the rays hit, in random order.
+    /// Repeated rays of which half hit, in random order.
     pub(crate) mixed: Nanoseconds,
-    /// The same, of rays that the processor has not seen before.
+    /// The same mixture of rays that are not repeated.
     pub(crate) fresh: Nanoseconds,
     pub(crate) hits: Nanoseconds,
     pub(crate) misses: Nanoseconds,
-    /// Parameters, and position and normal rebuilt from them, of a hit that is there already.
+    /// Time to compute the parameters of a given hit, and to rebuild position and normal from them.
     pub(crate) rebuild: Option<Nanoseconds>,
 }
 
-/// A spread of more than this share of the median says that something else was running.
+/// A spread above this share of the median indicates that other programs were running.
 const STEADY: f64 = 0.15;
 
-/// Whether the machine was too busy for the times to be compared.
+/// Returns whether the machine was too busy for the times to be compared.
 pub(crate) fn unsteady(timings: &[Timing]) -> bool {
     let unsteady = |ns: &Nanoseconds| ns.spread > STEADY * ns.median;
     timings.iter().any(|timing| unsteady(&timing.mixed) || unsteady(&timing.fresh))
 }
 
-/// The name of the loop that calls nothing.
+/// The name of the method that does nothing.
 pub(crate) const LOOP: &str = "the loop alone";
 
-/// Times all methods of a shape; single-threaded.
+/// Times all methods of a shape on one thread.
 pub(crate) fn time<S: Measured>(methods: &[&Method<S>], seed: u64) -> Vec<Timing> {
     let nothing = Method::published(LOOP, |_, _| None);
     let methods: Vec<&Method<S>> = methods.iter().copied().chain([&nothing]).collect();
@@ -122,7 +121,7 @@ struct Samples {
     rebuild: Vec<f64>,
 }
 
-/// Rays of the timed family that truly hit, or truly miss.
+/// Returns rays of the timed family that truly hit, or truly miss.
 fn pairs<S: Measured>(seed: u64, count: usize, hitting: bool) -> Vec<(S, Ray)> {
     let (family, level) = S::TIMED;
     let row = rows::<S>()
@@ -144,7 +143,7 @@ fn shuffled<S: Measured>(a: &[(S, Ray)], b: &[(S, Ray)], seed: u64) -> Vec<(S, R
     all
 }
 
-/// Nanoseconds a call of `test`, which calls a function that the compiler does not know.
+/// Returns the nanoseconds of a call of `test`, which calls through a function pointer.
 fn sweep<T, R>(inputs: &[T], sweeps: usize, test: impl Fn(&T) -> R) -> f64 {
     let start = ThreadTime::now();
     for _ in 0..sweeps {
@@ -174,7 +173,7 @@ mod tests {
         let mixed = shuffled(&hits, &misses, 1);
         let met = mixed.iter().filter(|(s, ray)| Truth::of(s, ray).hit.is_some()).count();
         assert_eq!((met, mixed.len()), (64, 128), "{}", S::NAME);
-        // The own method agrees with the truth, so the clock times answers and not failures.
+        // Our method agrees with the truth, so correct answers are timed and not failures.
         let own = S::METHODS[0].closest;
         assert!(hits.iter().all(|(s, ray)| own(s, ray).is_some()), "{}", S::NAME);
         assert!(misses.iter().all(|(s, ray)| own(s, ray).is_none()), "{}", S::NAME);

@@ -1,5 +1,6 @@
-//! Published intersectors, written anew from their descriptions in the precision of the publication.
-//! They exist for comparison, are not part of the library, and keep their known weaknesses.
+//! Published intersectors, written anew from their descriptions in the precision of the
+//! publication. They exist for comparison, are not part of the library, and keep their known
+//! weaknesses.
 
 pub(crate) mod interval;
 pub(crate) mod patch;

@@ -5,7 +5,7 @@ use rotund_geometry::{BilinearPatch, Hit, Ray};
 
 use super::inside;
 
-/// Point, normal and parameters of the patch at `u`, `v`.
+/// Returns the hit with point, normal and parameters of the patch at `u`, `v`.
 fn at(p: &BilinearPatch, t: f32, u: f32, v: f32) -> Hit {
     let along_u = (p.p10 - p.p00).lerp(p.p11 - p.p01, v);
     let along_v = (p.p01 - p.p00).lerp(p.p11 - p.p10, u);
@@ -18,9 +18,9 @@ fn at(p: &BilinearPatch, t: f32, u: f32, v: f32) -> Hit {
     }
 }
 
-/// A. Reshetov, "Cool patches: a geometric approach to ray/bilinear patch intersections", Ray Tracing
-/// Gems, chapter 8, 2019. The published code leaves the interval to its caller; here each root is
-/// tested as it is found.
+/// A. Reshetov, "Cool patches: a geometric approach to ray/bilinear patch intersections", Ray
+/// Tracing Gems, chapter 8, 2019. The published code leaves the interval to its caller; here each
+/// root is tested as it is found.
 pub(crate) fn cool(p: &BilinearPatch, ray: &Ray) -> Option<Hit> {
     let d = ray.direction;
     let (e10, e11, e00) = (p.p10 - p.p00, p.p11 - p.p10, p.p01 - p.p00);
@@ -57,7 +57,7 @@ pub(crate) fn cool(p: &BilinearPatch, ray: &Ray) -> Option<Hit> {
     best.map(|(t, u, v)| at(p, t, u, v))
 }
 
-/// `a b - c d` with one rounding: the products of two `f32` are exact in `f64`.
+/// Returns `a b - c d` with one rounding: the products of two `f32` are exact in `f64`.
 fn difference_of_products(a: f32, b: f32, c: f32, d: f32) -> f32 {
     (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32
 }
@@ -70,8 +70,9 @@ fn accurate_cross(a: Vec3, b: Vec3) -> Vec3 {
     )
 }
 
-/// M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th edition, 2023, section 6.6.1:
-/// differences of products without cancellation, and an epsilon from the size of the coordinates.
+/// M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th edition, 2023, section
+/// 6.6.1: differences of products without cancellation, and an epsilon from the size of the
+/// coordinates.
 pub(crate) fn pbrt(p: &BilinearPatch, ray: &Ray) -> Option<Hit> {
     const U: f32 = 0.5 * f32::EPSILON;
     let (o, d) = (ray.origin, ray.direction);
@@ -104,7 +105,7 @@ pub(crate) fn pbrt(p: &BilinearPatch, ray: &Ray) -> Option<Hit> {
     best.map(|(t, u, v)| at(p, t, u, v))
 }
 
-/// The roots of `a x² + b x + c`, by a discriminant of one rounding.
+/// Returns the roots of `a x² + b x + c`, by a discriminant of one rounding.
 fn quadratic(a: f32, b: f32, c: f32) -> Option<(f32, f32)> {
     if a == 0.0 {
         return (b != 0.0).then(|| (-c / b, -c / b));
@@ -117,8 +118,9 @@ fn quadratic(a: f32, b: f32, c: f32) -> Option<(f32, f32)> {
     Some((q / a, c / q))
 }
 
-/// S. Ramsey, K. Potter, C. Hansen, "Ray bilinear patch intersections", Journal of Graphics Tools 9(3),
-/// 2004, in the precision `$T`. The coordinate that is eliminated is the largest of the direction.
+/// S. Ramsey, K. Potter, C. Hansen, "Ray bilinear patch intersections", Journal of Graphics Tools
+/// 9(3), 2004, in the precision `$T`. The coordinate that is eliminated is the largest of the
+/// direction.
 macro_rules! ramsey {
     ($(#[$doc:meta])* $name:ident, $T:ty, $V:ty, $from:expr) => {
         $(#[$doc])*
@@ -189,8 +191,8 @@ ramsey! {
     ramsey_f64, f64, DVec3, |p| p.as_dvec3()
 }
 
-/// T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", Journal of Graphics Tools
-/// 2(1), 1997, on both triangles of the quadrilateral, split between p10 and p01.
+/// T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", Journal of Graphics
+/// Tools 2(1), 1997, on both triangles of the quadrilateral, split between p10 and p01.
 pub(crate) fn two_triangles(p: &BilinearPatch, ray: &Ray) -> Option<Hit> {
     let one = moeller_trumbore(p.p00, p.p10, p.p01, ray);
     let other = moeller_trumbore(p.p11, p.p01, p.p10, ray)

@@ -5,13 +5,13 @@ use rotund_geometry::{Hit, Ray, RoundedCone};
 
 use super::{hit, inside};
 
-/// I. Quilez, "intersectors", rounded cone: for unit directions, the entry alone.
+/// I. Quilez, "intersectors", rounded cone: for unit directions; it returns only the entry.
 pub(crate) fn quilez(cone: &RoundedCone, ray: &Ray) -> Option<Hit> {
     let (t, normal) = quilez_entry(cone, ray)?;
     inside(ray, t).then(|| hit(t, ray.at(t), normal))
 }
 
-/// The same with the texture coordinates that a renderer makes of it: the angle of the normal from the
+/// The same with the texture coordinates that a renderer needs: the angle of the normal from the
 /// axis, and the angle about it.
 pub(crate) fn quilez_with_uv(cone: &RoundedCone, ray: &Ray) -> Option<Hit> {
     let (t, normal) = quilez_entry(cone, ray)?;
@@ -67,11 +67,11 @@ fn quilez_entry(cone: &RoundedCone, ray: &Ray) -> Option<(f32, Vec3)> {
     found
 }
 
-/// The scalar form of Embree's round linear curve: the origin moved next to the middle, the cone that
-/// touches both balls clipped between the touching circles, the end balls outside of them.
+/// The scalar form of Embree's round linear curve: the origin moved next to the middle, the cone
+/// that touches both balls clipped between the touching circles, the end balls outside of them.
 ///
-/// With `y = (x - p0)·a - r0 (r0 - r1)` and `g = a·a - (r0 - r1)²` the cone is `g |x - p0|² - y² = g r0²`,
-/// for `y` in `0..g`, and its normal `g (x - p0) - y a`.
+/// With `y = (x - p0)·a - r0 (r0 - r1)` and `g = a·a - (r0 - r1)²` the cone is
+/// `g |x - p0|² - y² = g r0²`, for `y` in `0..g`, and its normal `g (x - p0) - y a`.
 pub(crate) fn embree(cone: &RoundedCone, ray: &Ray) -> Option<Hit> {
     let d = ray.direction;
     let dd = d.dot(d);

@@ -5,7 +5,8 @@ use rotund_geometry::{Hit, Ray, Sphere};
 
 use super::{first, hit, inside, interval::Interval};
 
-/// The hit at `t` as most programs make it: the point on the ray, the normal from the point.
+/// Returns the hit at `t` as most programs compute it: the point on the ray, the normal from the
+/// point.
 fn at(sphere: &Sphere, ray: &Ray, t: f32) -> Hit {
     let position = ray.at(t);
     hit(t, position, (position - sphere.center) / sphere.radius)
@@ -26,7 +27,7 @@ pub(crate) fn textbook(sphere: &Sphere, ray: &Ray) -> Option<Hit> {
     Some(at(sphere, ray, t))
 }
 
-/// I. Quilez, "intersectors": for unit directions, the near root alone.
+/// I. Quilez, "intersectors": for unit directions; it returns only the near root.
 pub(crate) fn quilez(sphere: &Sphere, ray: &Ray) -> Option<Hit> {
     let f = ray.origin - sphere.center;
     let b = f.dot(ray.direction);
@@ -39,8 +40,8 @@ pub(crate) fn quilez(sphere: &Sphere, ray: &Ray) -> Option<Hit> {
     inside(ray, t).then(|| at(sphere, ray, t))
 }
 
-/// E. Haines, J. Günther, T. Akenine-Möller, "Precision improvements for ray/sphere intersection", Ray
-/// Tracing Gems, chapter 7, 2019: the discriminant from the perpendicular, no cancelling root.
+/// E. Haines, J. Günther, T. Akenine-Möller, "Precision improvements for ray/sphere intersection",
+/// Ray Tracing Gems, chapter 7, 2019: the discriminant from the perpendicular, no cancelling root.
 pub(crate) fn haines(sphere: &Sphere, ray: &Ray) -> Option<Hit> {
     let (d, r2) = (ray.direction, sphere.radius * sphere.radius);
     let f = ray.origin - sphere.center;
@@ -80,8 +81,9 @@ pub(crate) fn projected(sphere: &Sphere, ray: &Ray) -> Option<Hit> {
     Some(hit(t, ray.at(t), normal / sphere.radius))
 }
 
-/// M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th edition, 2023, section 6.2.2:
-/// interval arithmetic, which refuses what it cannot decide; the point is pulled onto the sphere.
+/// M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", 4th edition, 2023, section
+/// 6.2.2: interval arithmetic, which rejects what it cannot decide; the point is projected onto the
+/// sphere.
 pub(crate) fn interval(sphere: &Sphere, ray: &Ray) -> Option<Hit> {
     let o = [0, 1, 2].map(|i| Interval::exact(ray.origin[i]) - Interval::exact(sphere.center[i]));
     let d = [ray.direction.x, ray.direction.y, ray.direction.z].map(Interval::exact);

@@ -1,7 +1,8 @@
-//! The hard cases: tables of families, each with its levels. A new family is one line of a table and a
-//! function that makes one case of it.
+//! Hard cases: tables of families, each with its levels. A new family is an entry of a table and a
+//! function that generates one case.
 //!
-//! Everything is made in `f64` and rounded to `f32` at the end; the truth takes the rounded numbers.
+//! Cases are generated in `f64` and rounded to `f32` at the end; the truth uses the rounded
+//! numbers.
 
 mod patch;
 mod rounded_cone;
@@ -13,21 +14,21 @@ use rotund_geometry::Ray;
 use crate::random::Random;
 use crate::truth::{Exact, Truth};
 
-/// What the levels of a family stand for, if they make a curve of the report.
+/// The meaning of the levels of a family, if the report draws them as a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Curve {
-    /// The distance of the origin, in sizes of the shape.
+    /// Distance of the origin, in sizes of the shape.
     Distance,
-    /// How far the ray passes the surface by, in sizes of the shape.
+    /// Distance at which the ray passes the surface, in sizes of the shape.
     Grazing,
 }
 
-/// One way of making hard cases.
+/// One way to generate hard cases.
 pub(crate) struct Family<S: 'static> {
     pub(crate) name: &'static str,
     /// Why the cases are hard.
     pub(crate) why: &'static str,
-    /// One row of the tables each.
+    /// The levels, each of which is a row of the tables.
     pub(crate) levels: &'static [f64],
     pub(crate) curve: Option<Curve>,
     pub(crate) make: fn(&mut Random, f64) -> (S, Ray),
@@ -45,12 +46,12 @@ pub(crate) struct Row<S: 'static> {
 }
 
 impl<S: Families> Row<S> {
-    /// Shape, family and level: what the random numbers of the row start from.
+    /// Returns shape, family and level; the random numbers of the row depend on it.
     pub(crate) fn name(&self) -> String {
         format!("{} {}", S::NAME, self.label())
     }
 
-    /// Family and level.
+    /// Returns family and level.
     pub(crate) fn label(&self) -> String {
         if self.family.levels.len() == 1 {
             self.family.name.to_owned()
@@ -64,26 +65,26 @@ impl<S: Families> Row<S> {
     }
 }
 
-/// All rows of a shape.
+/// Returns all rows of a shape.
 pub(crate) fn rows<S: Families>() -> impl Iterator<Item = Row<S>> {
     S::FAMILIES
         .iter()
         .flat_map(|family| family.levels.iter().map(move |&level| Row { family, level }))
 }
 
-/// The ray that starts `distance` before `target` along `direction`, of unit length.
+/// Returns the ray that starts `distance` before `target` along `direction`, of unit length.
 fn toward(target: DVec3, direction: DVec3, distance: f64) -> Ray {
     Ray::new((target - direction * distance).as_vec3(), direction.as_vec3())
 }
 
-/// The same ray with a direction of another length.
+/// Returns the same ray with a direction of another length.
 fn with_length(mut ray: Ray, length: f64) -> Ray {
     ray.direction = (ray.direction.as_dvec3() * length).as_vec3();
     ray
 }
 
-/// Ends the interval at one of the places where a careless root is taken or dropped: between the
-/// crossings, before the first or after the last.
+/// Ends the interval where a careless solver selects the wrong root: between the crossings, before
+/// the first or after the last.
 fn with_interval<S: Exact>(random: &mut Random, shape: &S, mut ray: Ray) -> Ray {
     let ts: Vec<f64> = Truth::of(shape, &ray).crossings.iter().map(|c| c.t.to_f64()).collect();
     let (Some(&first), Some(&last)) = (ts.first(), ts.last()) else { return ray };

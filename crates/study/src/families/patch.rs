@@ -231,7 +231,7 @@ fn at([p00, p10, p01, p11]: Corners, u: f64, v: f64) -> DVec3 {
     (p00 * (1.0 - u) + p10 * u) * (1.0 - v) + (p01 * (1.0 - u) + p11 * u) * v
 }
 
-/// From `distance` at a place in or somewhat beside the patch.
+/// Returns a ray from `distance` away at a point in or somewhat beside the patch.
 fn aimed(random: &mut Random, corners: Corners, distance: f64) -> Ray {
     let target = at(corners, random.range(-0.12, 1.12), random.range(-0.12, 1.12));
     toward(target, random.direction(), distance)
@@ -242,19 +242,19 @@ fn shown(random: &mut Random, make: impl Fn(&mut Random) -> Corners) -> (Bilinea
     (patch(corners), aimed(random, corners, 3.0))
 }
 
-/// The unit square, opposite corners lifted by `height` and the others lowered.
+/// Returns the unit square with two opposite corners raised by `height` and the others lowered.
 fn jittered_by(height: f64) -> Corners {
     [(0.0, 0.0, -1.0), (1.0, 0.0, 1.0), (0.0, 1.0, 1.0), (1.0, 1.0, -1.0)]
         .map(|(x, y, z)| DVec3::new(x - 0.5, y - 0.5, z * height))
 }
 
-/// The same with each corner moved by up to a tenth in the plane.
+/// Returns the same with each corner jittered by up to a tenth in the plane.
 fn jittered(random: &mut Random, height: f64) -> Corners {
     jittered_by(height)
         .map(|p| p + DVec3::new(random.range(-0.1, 0.1), random.range(-0.1, 0.1), 0.0))
 }
 
-/// In a random frame about a random center.
+/// Transforms corners into a random frame about a random center.
 fn turned(random: &mut Random, corners: Corners) -> Corners {
     let z = random.direction();
     let x = random.perpendicular(z);
@@ -275,12 +275,12 @@ fn twisted(random: &mut Random) -> Corners {
     turned(random, [back * a, back * b, forth * c, forth * d])
 }
 
-/// Multiples of 1/32, at which sums of three need no rounding.
+/// Returns a point of multiples of 1/32, so that sums of three need no rounding.
 fn grid(random: &mut Random) -> DVec3 {
     random.ball().map(|x| (x * 32.0).round() / 32.0)
 }
 
-/// Corners that stay as they are.
+/// Returns a patch whose corners are not transformed, so that they stay exact.
 fn exact(random: &mut Random, make: fn(&mut Random) -> Corners) -> (BilinearPatch, Ray) {
     let corners = make(random);
     (patch(corners), aimed(random, corners, 3.0))
@@ -306,7 +306,7 @@ fn in_plane(random: &mut Random, _: f64) -> (BilinearPatch, Ray) {
     (patch(corners), ray)
 }
 
-/// Along the segment of one `u` or one `v`, tilted by `tilt`.
+/// Returns a ray along the segment of one `u` or one `v`, tilted by `tilt`.
 fn ruling(random: &mut Random, tilt: f64) -> (BilinearPatch, Ray) {
     let corners = bent(random, 0.5);
     let s = random.unit();
@@ -321,7 +321,7 @@ fn ruling(random: &mut Random, tilt: f64) -> (BilinearPatch, Ray) {
     (patch(corners), toward(target, direction * random.sign(), 3.0))
 }
 
-/// In the tangent plane of a point, moved along the normal.
+/// Returns a ray in the tangent plane of a point, moved along the normal.
 fn grazing(random: &mut Random, gap: f64, distance: f64) -> (BilinearPatch, Ray) {
     let corners = bent(random, 0.4);
     let (u, v) = (random.unit(), random.unit());
@@ -346,7 +346,7 @@ fn near_corner(random: &mut Random, gap: f64) -> (BilinearPatch, Ray) {
     (patch(corners), toward(at(corners, u, v), random.direction(), 3.0))
 }
 
-/// From a point of the patch to where it is met again.
+/// Returns a ray from one point of the patch to another.
 fn from_surface(random: &mut Random, _: f64) -> (BilinearPatch, Ray) {
     let corners = twisted(random);
     let patch = patch(corners);

@@ -210,12 +210,12 @@ impl Body {
         self.r0.max(self.r1)
     }
 
-    /// Center and radius of the ball at `s`.
+    /// Returns center and radius of the ball at `s`.
     fn ball(&self, s: f64) -> (DVec3, f64) {
         (self.p0 + self.axis * (s * self.length), self.r0 + s * (self.r1 - self.r0))
     }
 
-    /// A normal of the body between the caps, and the direction of the generator there.
+    /// Returns a normal of the body between the caps, and the direction of its generator.
     fn generator(&self, random: &mut Random) -> (DVec3, DVec3) {
         let out = random.perpendicular(self.axis);
         let sine = ((self.r0 - self.r1) / self.length).clamp(-1.0, 1.0);
@@ -223,7 +223,7 @@ impl Body {
         (out * cosine + self.axis * sine, self.axis * cosine - out * sine)
     }
 
-    /// A point of the surface and its normal: caps and body in turn.
+    /// Returns a point of the surface, on a cap or the body, and its normal.
     fn surface(&self, random: &mut Random) -> (DVec3, DVec3) {
         let sine = (self.r0 - self.r1) / self.length;
         let (s, normal) = match random.index(2) {
@@ -244,12 +244,12 @@ fn body(random: &mut Random, length: f64, r0: f64, r1: f64) -> Body {
     Body { p0: center - axis * (0.5 * length), axis, length, r0, r1 }
 }
 
-/// Three long, radii 1 and 0.5.
+/// Returns a cone of length 3 with radii 1 and 0.5.
 fn usual(random: &mut Random) -> Body {
     body(random, 3.0, 1.0, 0.5)
 }
 
-/// From `distance` at a place along the axis and up to 1.25 radii beside it.
+/// Returns a ray from `distance` away at a point up to 1.25 radii beside the axis.
 fn aimed(random: &mut Random, body: &Body, distance: f64) -> Ray {
     let direction = random.direction();
     let along = body.p0 + body.axis * (body.length * random.range(-0.15, 1.15));
@@ -269,8 +269,8 @@ fn of_radii(
     (body.shape(), ray)
 }
 
-/// Along a coordinate axis that is the axis of the cone, tilted by `tilt`, either way; a third of the
-/// cones are cylinders.
+/// Returns a cone along a coordinate axis, a third of them cylinders, and a ray along that axis,
+/// tilted by `tilt`.
 fn parallel(random: &mut Random, tilt: f64) -> (RoundedCone, Ray) {
     let axis = [DVec3::X, DVec3::Y, DVec3::Z][random.index(3)] * random.sign();
     let r1 = [0.5, 1.0, 1.0 - 1e-5][random.index(3)];
@@ -337,7 +337,7 @@ fn offset(random: &mut Random, offset: f64) -> (RoundedCone, Ray) {
     (body.shape(), ray)
 }
 
-/// Directions 10^-level to 10^level long.
+/// Returns rays whose directions are 10^-level to 10^level long.
 fn lengths(random: &mut Random, level: f64) -> (RoundedCone, Ray) {
     let (cone, ray) = of_radii(random, 3.0, 1.0, 0.5, 4.0);
     (cone, with_length(ray, 10f64.powf(random.range(-level, level))))

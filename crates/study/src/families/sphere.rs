@@ -108,7 +108,7 @@ impl Families for Sphere {
     ];
 }
 
-/// A sphere, and a ray from `distance` radii aimed at 1.2 times its disc.
+/// Returns a sphere, and a ray from `distance` radii away at a disc of 1.2 radii.
 fn from(random: &mut Random, radius: f64, distance: f64) -> (Sphere, Ray) {
     let center = random.direction() * random.range(0.0, 2.0) * radius;
     let direction = random.direction();
@@ -124,8 +124,8 @@ fn grazing(random: &mut Random, gap: f64, distance: f64) -> (Sphere, Ray) {
     (Sphere { center: center.as_vec3(), radius: 1.0 }, toward(center + aside, direction, distance))
 }
 
-/// Coordinates that need no rounding, so that the ray passes the sphere by exactly -3 to 3 units in
-/// the last place of the radius.
+/// Returns a case whose coordinates need no rounding, so that the ray passes the sphere at exactly
+/// -3 to 3 units in the last place of the radius.
 fn tangent(random: &mut Random, _: f64) -> (Sphere, Ray) {
     let radius = random.range(1.0, 2.0) as f32;
     let steps = random.index(7) as i32 - 3;
@@ -146,7 +146,7 @@ fn inside(random: &mut Random, _: f64) -> (Sphere, Ray) {
     (sphere, Ray::new(origin.as_vec3(), random.direction().as_vec3()))
 }
 
-/// From a rounded point of the surface inwards.
+/// Returns a ray from a rounded point of the surface inwards.
 fn on_surface(random: &mut Random, t_min: f32) -> (Sphere, Ray) {
     let center = random.direction() * random.range(0.0, 2.0);
     let normal = random.direction();
@@ -160,14 +160,14 @@ fn offset(random: &mut Random, offset: f64) -> (Sphere, Ray) {
     moved(random.direction() * offset, from(random, 1.0, 10.0))
 }
 
-/// Both moved, and rounded again.
+/// Translates sphere and ray, and rounds them again.
 fn moved(by: DVec3, (sphere, ray): (Sphere, Ray)) -> (Sphere, Ray) {
     let place = |p: Vec3| (p.as_dvec3() + by).as_vec3();
     let origin = place(ray.origin);
     (Sphere { center: place(sphere.center), ..sphere }, Ray { origin, ..ray })
 }
 
-/// Directions 10^-level to 10^level long.
+/// Returns rays whose directions are 10^-level to 10^level long.
 fn lengths(random: &mut Random, level: f64) -> (Sphere, Ray) {
     let (sphere, ray) = from(random, 1.0, 10.0);
     (sphere, with_length(ray, 10f64.powf(random.range(-level, level))))

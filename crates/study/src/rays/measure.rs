@@ -1,4 +1,4 @@
-//! One tree: built, shot at, and told of.
+//! Measures one tree: builds it, traces rays, and prints the results.
 
 use super::peer::{self, Peer};
 use super::progress::Progress;
@@ -11,25 +11,25 @@ use rotund_bvh::{Isa, Method, Statistics};
 use rotund_report::console::{Table, say};
 use std::time::Instant;
 
-/// What is measured.
+/// The scene that is measured.
 pub(super) struct Subject<'a> {
     pub(super) name: &'a str,
-    /// Whether a peer can make the same scene.
+    /// Whether the peer can generate the same scene.
     pub(super) known_to_peer: bool,
 }
 
-/// What it took to build a tree.
+/// The cost of building a tree.
 #[derive(Clone, Copy)]
 struct Building {
-    /// Of one thread, for the whole tree; the median, where a peer built its own in turn.
+    /// CPU time of a build on one thread; with a peer the median over the rounds.
     cpu_seconds: f64,
-    /// Until all threads together had built it.
+    /// Elapsed time of a build on all threads.
     seconds: f64,
-    /// By which the process grew at most, where the system tells.
+    /// Peak growth of the process during the build, where the system reports it.
     peak_bytes: Option<f64>,
 }
 
-/// Builds a tree, shoots at it, and prints the table. Nothing to show if there is no primitive.
+/// Builds a tree, traces rays and prints the table; `None` if there is no primitive.
 pub(super) fn measure<P: Primitive>(
     subject: &Subject<'_>,
     primitives: &[P],
@@ -38,7 +38,7 @@ pub(super) fn measure<P: Primitive>(
 ) -> Result<Option<Sheet>> {
     let scene = subject.name;
     if primitives.is_empty() {
-        say(format!("{scene}: empty"))?;
+        say(format!("{scene}: no primitives"))?;
         return Ok(None);
     }
     let method = if args.vanilla { Method::Vanilla } else { Method::Enhanced };
@@ -59,7 +59,7 @@ pub(super) fn measure<P: Primitive>(
     let volleys = shoot::volleys(&tree, target, method);
     let again = || Ok(on_one_thread(primitives, isa)?.1);
     let rounds = rounds(subject, &tree, &volleys, method, args, again, &progress)?;
-    progress.stage("shooting on all threads");
+    progress.stage("tracing on all threads");
     let builds = rounds.iter().filter_map(|round| round.build_seconds);
     building.cpu_seconds =
         median(builds.chain([building.cpu_seconds]).collect()).unwrap_or(f64::NAN);
@@ -99,14 +99,14 @@ pub(super) fn measure<P: Primitive>(
     Ok(Some(Sheet { scene: scene.to_owned(), rows, visits }))
 }
 
-/// Builds the tree twice, and holds one of them at a time: the largest scene that fits is limited by that.
+/// Builds the tree twice, with one of them in memory at a time, so that larger scenes fit.
 fn build<P: Primitive>(
     primitives: &[P],
     isa: Isa,
     progress: &Progress,
 ) -> Result<(P::Tree, Building)> {
     progress.stage("building the tree");
-    // Before anything else of this size has come and gone, so that the peak is that of the build.
+    // This build comes before other large allocations, so that the peak is its own.
     let ((bytes, seconds), peak_bytes) = memory::peak_of(|| {
         let start = Instant::now();
         let tree = P::build(primitives, isa);
@@ -116,12 +116,12 @@ fn build<P: Primitive>(
     let again = format!("building it again on one thread (on all it took {seconds:.1} s)");
     progress.stage(&again);
     let (tree, cpu_seconds) = on_one_thread(primitives, isa)?;
-    // What is smaller than the tree was served from memory that the process held already.
+    // A smaller peak than the tree means that the memory was held by the process already.
     let peak_bytes = peak_bytes.filter(|&peak| peak >= bytes as f64);
     Ok((tree, Building { cpu_seconds, seconds, peak_bytes }))
 }
 
-/// A tree, and what it costs to build it: the seconds of the one thread that does it.
+/// Builds a tree on one thread, and returns it with the CPU time in seconds.
 fn on_one_thread<P: Primitive>(primitives: &[P], isa: Isa) -> Result<(P::Tree, f64)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     Ok(pool.install(|| {
@@ -131,10 +131,10 @@ fn on_one_thread<P: Primitive>(primitives: &[P], isa: Isa) -> Result<(P::Tree, f
     }))
 }
 
-/// Our passes over the kinds of rays, and the peer's turn after them.
+/// One round: our passes over all kinds of rays, then the peer's turn.
 struct Round {
     ours: Vec<shoot::Pass>,
-    /// Of a build of ours, since the peer builds its tree each time.
+    /// Time of another build of ours, since the peer builds its tree in each turn.
     build_seconds: Option<f64>,
     peer: Option<Peer>,
 }
@@ -155,7 +155,7 @@ fn rounds(
             let ours = volleys
                 .iter()
                 .map(|volley| {
-                    // One pass to warm up, as the peer has.
+                    // The first pass warms up, as in the peer.
                     shoot::on_one_thread(tree, volley, method);
                     shoot::on_one_thread(tree, volley, method)
                 })
@@ -168,7 +168,7 @@ fn rounds(
         .collect()
 }
 
-/// The rows of one kind of rays: on one thread, and on all.
+/// Returns the rows of one kind of rays: on one thread, and on all.
 fn volley_rows(
     tree: &impl Traced,
     volley: &Volley,
@@ -216,11 +216,13 @@ fn print(scene: &str, rows: &[Row], tree: &Statistics, building: &Building) -> R
     let Some(first) = rows.first() else { return Ok(()) };
     let peer = first.peer_build_seconds.map(|s| format!(" (peer {s:.3})")).unwrap_or_default();
     let peak = first.peak_bytes_per_primitive.map(|peak| format!(", {peak:.1} at the peak"));
-    // Primitives, rays and all.
+    // The peak of the process includes primitives and rays.
     let process = memory::peak_gib().map(|gib| format!(" ({gib:.2} GiB of the process)"));
     say(format!(
-        "{scene}, {}, {}: {} primitives, built in {:.3} CPU seconds{peer}, {:.3} s on {} threads; \
-         {:.1} bytes each{}{}; {} nodes {:.0} % full, {} leaves of {:.1}, depth {}, SAH {:.1}",
+        "{scene}, {}, {}: {} primitives\n  \
+         build: {:.3} CPU seconds{peer}, {:.3} s on {} threads\n  \
+         bytes each: {:.1}{}{}\n  \
+         tree: {} nodes {:.0} % full, {} leaves of {:.1}, depth {}, SAH {:.1}",
         first.form,
         first.isa,
         tree.primitives,

@@ -1,8 +1,10 @@
-//! `rays`: how fast trees are built and walked, on scenes that anyone can rebuild bit for bit.
+//! `rays`: how fast trees are built and traversed, on scenes that other programs can generate bit
+//! for bit.
 //!
-//! Prints a table, and writes on request JSON rows and a page with bars and a picture of how many nodes
-//! and primitives each pixel looks at. With a peer (a program around another ray tracer) both run in
-//! turn on the same machine, so that each ratio is paired; medians are shown.
+//! The command prints a table and writes, on request, rows of JSON and a page with bars and a
+//! picture of how many nodes and primitives each pixel visits. With a peer (a program around
+//! another ray tracer) both run in turn on the same machine, so that each ratio is paired; medians
+//! are shown.
 
 mod measure;
 mod memory;
@@ -21,13 +23,14 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
-Scenes: spheres-1M, cones-1M, patches-1M, spheres-10M or another number of millions; or the name of a scene
-that comes with the workspace, or the path of a JSON, PLY or OBJ file, each shape of which is measured by itself.
+Scenes: spheres-1M, cones-1M, patches-1M, spheres-10M or another number of
+millions; or the name of a scene that is built in, or the path of a JSON, PLY or
+OBJ file, each shape of which is measured by itself.
 
 Examples:
   cargo xtask rays
   cargo xtask rays spheres-1M cones-1M --isa avx2 --page rays.html
-  cargo xtask rays patches-1M --vanilla --peer ./embree_bench --repeat 5 --json rays.json
+  cargo xtask rays patches-1M --vanilla --peer ./embree_bench --json rays.json
   cargo xtask rays shapes4 scan.ply
   cargo xtask rays patches-1M --verify 10000000";
 
@@ -35,29 +38,29 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// What to build trees over.
+    /// The scenes to build trees over.
     #[arg(default_values = ["spheres-1M", "cones-1M", "patches-1M"])]
     scenes: Vec<String>,
-    /// Passes, of which the median counts, after one that does not.
+    /// How many passes are timed, after one that warms up; the median is shown.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     repeat: u16,
-    /// Shoot at the vanilla forms: points, lines, two triangles.
+    /// Intersect the vanilla shapes: points, lines, two triangles.
     #[arg(long)]
     vanilla: bool,
-    /// Instruction set: portable (on x86-64 also called sse2, which it is there), avx2 or avx512. [default: the
+    /// Instruction set: portable (or sse2, its name on x86-64), avx2 or avx512. [default: the
     /// fastest]
     #[arg(long)]
     isa: Option<Isa>,
-    /// Compare the answers for this many rays, to the bit, with those of a plain tree that calls the exact
-    /// test of each primitive, and some with a loop over all primitives, instead of measuring. Without
-    /// --isa, on all instruction sets.
+    /// Instead of measuring, compare the answers for this many rays, to the bit, with those of a
+    /// simple tree that calls the exact test of each primitive, and some with a loop over all
+    /// primitives. Without --isa, on all instruction sets.
     #[arg(long, value_name = "RAYS", value_parser = clap::value_parser!(u32).range(1..))]
     verify: Option<u32>,
-    /// A program that measures another ray tracer, run in turn with ours on the scenes of the first line
-    /// below, up to spheres-10M.
+    /// A program that measures another ray tracer, run in turn with ours on the generated scenes up
+    /// to spheres-10M.
     #[arg(long, value_name = "PROGRAM")]
     peer: Option<PathBuf>,
-    /// Write the rows as JSON.
+    /// Write the rows to this JSON file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write a page with bars and a picture of the traversal cost.
@@ -65,7 +68,7 @@ pub struct Args {
     page: Option<PathBuf>,
 }
 
-/// One figure and what belongs to it.
+/// One measured speed, with the properties of its tree and rays.
 #[derive(Clone, Debug, Serialize)]
 struct Row {
     scene: String,
@@ -82,23 +85,23 @@ struct Row {
     build_seconds: f64,
     peer_build_seconds: Option<f64>,
     bytes_per_primitive: f64,
-    /// What the process grew by at most while the tree was built.
+    /// Peak growth of the process during the build.
     peak_bytes_per_primitive: Option<f64>,
     sah: f64,
 }
 
-/// What a scene adds to the page.
+/// The results of a scene, for the page.
 struct Sheet {
     scene: String,
     rows: Vec<Row>,
-    /// Nodes and primitives that each primary ray visits.
+    /// How many nodes and primitives each primary ray visits.
     visits: Vec<u32>,
 }
 
-/// Loads the scene of a name or a path, and tells its name.
+/// A function that loads the scene of a name or a path, and returns its name too.
 pub type Load<'a> = &'a dyn Fn(&str) -> Result<(String, Scene)>;
 
-/// Measures, prints and writes what the options ask for.
+/// Runs the command.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! The page of `rays`: bars of speed, and a picture of what each pixel costs.
+//! The page of `rays`: bars of speed, and a picture of the traversal cost of each pixel.
 
 use super::recipe::SIDE;
 use super::{Row, Sheet};
@@ -87,7 +87,7 @@ fn bar(html: &mut String, row: &Row, most: f64) -> Result<()> {
     Ok(())
 }
 
-/// The count that is drawn brightest: few pixels have more.
+/// Returns the count that is drawn brightest: the 99th percentile.
 fn brightest(visits: &[u32]) -> u32 {
     let mut sorted = visits.to_vec();
     sorted.sort_unstable();

@@ -1,7 +1,7 @@
-//! Running another program on the same rays, in turn with ours.
+//! Runs another program on the same rays, in turn with ours.
 //!
-//! The program is called with the name of a scene and `reps=1 buildreps=1 mt=0 threads=1`. It prints a line
-//! `build,...,cpu_median=S s,...,bytes/prim=B,...` and, for each kind of rays, a line
+//! The program is called with the name of a scene and `reps=1 buildreps=1 mt=0 threads=1`. It
+//! prints a line `build,...,cpu_median=S s,...,bytes/prim=B,...` and, for each kind of rays, a line
 //! `rays,KIND,threads=1,...,hit=H,cpu_median=M,...` with `M` in millions of rays per CPU second.
 
 use anyhow::{Context, Result, bail};
@@ -9,10 +9,10 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What the peer measured.
+/// The measurements of the peer.
 #[derive(Clone, Debug)]
 pub(super) struct Peer {
-    /// By kind of rays.
+    /// Speed for each kind of rays.
     pub(super) mrays_per_second: HashMap<String, f64>,
     pub(super) build_seconds: f64,
 }
@@ -28,7 +28,7 @@ pub(super) fn run(program: &Path, scene: &str) -> Result<Peer> {
         bail!("the peer {} failed on {scene}: {}", program.display(), complaint.trim());
     }
     parse(&String::from_utf8_lossy(&output.stdout))
-        .with_context(|| format!("cannot read what the peer {} printed", program.display()))
+        .with_context(|| format!("cannot parse the output of the peer {}", program.display()))
 }
 
 fn parse(text: &str) -> Result<Peer> {

@@ -1,4 +1,5 @@
-//! What `rays` is doing, for scenes that take long: a line that changes on a terminal, lines elsewhere.
+//! Progress of `rays` on large scenes: a line that changes on a terminal, a line for each stage
+//! elsewhere.
 
 #![expect(clippy::print_stderr, reason = "progress is for the person, not for a pipe")]
 
@@ -6,10 +7,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, stderr};
 use std::time::{Duration, Instant};
 
-/// Without a terminal, scenes of fewer primitives are measured without a word.
+/// Without a terminal, scenes of fewer primitives are measured silently.
 const LARGE: usize = 4_000_000;
 
-/// Tells the stages of one scene on standard error.
+/// Prints the stages of one scene on standard error.
 pub(super) struct Progress {
     scene: String,
     start: Instant,
@@ -31,7 +32,7 @@ impl Progress {
         Self { scene: scene.to_owned(), start: Instant::now(), bar, plain }
     }
 
-    /// A stage begins.
+    /// Begins a stage.
     pub(super) fn stage(&self, what: &str) {
         if let Some(bar) = &self.bar {
             bar.set_message(what.to_owned());
@@ -41,7 +42,7 @@ impl Progress {
         }
     }
 
-    /// A stage of equal steps, of which `done` took the time since `since`.
+    /// Begins the next of equal steps, `done` of which took the time since `since`.
     pub(super) fn step(&self, what: &str, done: usize, of: usize, since: Instant) {
         let number = done + 1;
         if done == 0 {

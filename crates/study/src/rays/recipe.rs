@@ -1,12 +1,12 @@
 //! The benchmark scenes and rays, bit for bit.
 //!
-//! Only `+ - * /` and square roots of `f32` and `f64`, so any program can make the same bits; the
-//! hashes say whether it did.
+//! They need only `+ - * /` and square roots of `f32` and `f64`, so any program can generate the
+//! same bits; the hashes verify that.
 
 use crate::random::Random;
 use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, glam::Vec3};
 
-/// Three doubles whose products are summed from left to right.
+/// A vector of `f64` whose products are summed from left to right.
 #[derive(Clone, Copy)]
 struct Vector([f64; 3]);
 
@@ -82,7 +82,7 @@ impl Fnv {
     }
 }
 
-/// `count` balls in the unit cube, of `base * (0.5..1.5)` radius, and the hash of their numbers.
+/// Generates `count` spheres in the unit cube with radii of `base * (0.5..1.5)`, and their hash.
 pub(super) fn spheres(count: usize, seed: u64, base: f32) -> (Vec<Sphere>, u64) {
     let (mut random, mut hash) = (Random::from_state(seed), Fnv::new());
     let spheres = (0..count)
@@ -97,7 +97,7 @@ pub(super) fn spheres(count: usize, seed: u64, base: f32) -> (Vec<Sphere>, u64) 
     (spheres, hash.0)
 }
 
-/// 20 segments in each of `fibres` tapering, curling fibres.
+/// Generates `fibres` tapering, curling fibres of 20 segments each, and their hash.
 pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
     const SEGMENTS: usize = 20;
     let (mut random, mut hash) = (Random::from_state(2), Fnv::new());
@@ -123,7 +123,7 @@ pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
     (cones, hash.0)
 }
 
-/// A wavy, noisy sheet of `n * n` quads.
+/// Generates a wavy, noisy sheet of `n * n` quads, and its hash.
 pub(super) fn patches(n: usize) -> (Vec<BilinearPatch>, u64) {
     let wave = |t: f64| {
         let a = t - t.floor();
@@ -163,7 +163,7 @@ pub(super) struct Target {
 impl Target {
     pub(super) const UNIT: Self = Self { min: [0.0; 3], max: [1.0; 3] };
 
-    /// The box of points, which are vertices or centres: radii are left out.
+    /// Returns the box of points, which are vertices or centers: radii do not count.
     pub(super) fn around(points: impl Iterator<Item = Vec3>) -> Self {
         points.fold(Self { min: [1e30; 3], max: [-1e30; 3] }, |sum, p| {
             let p = Vector::from_single(p).0;
@@ -174,7 +174,7 @@ impl Target {
         })
     }
 
-    /// False if all points are the same, or one is not finite: then there is nothing to aim from.
+    /// Returns whether rays can be aimed: points differ, and all are finite.
     pub(super) fn has_volume(&self) -> bool {
         let diagonal = self.diagonal();
         diagonal > 0.0 && diagonal.is_finite()
@@ -189,10 +189,10 @@ impl Target {
     }
 }
 
-/// Pictures have this many pixels along a side.
+/// Pixels along a side of a picture.
 pub(super) const SIDE: usize = 1024;
 
-/// A ray through the middle of each pixel, row by row.
+/// Returns a ray through the center of each pixel, row by row.
 pub(super) fn primary(target: &Target) -> Vec<Ray> {
     let center = target.center();
     let eye = center.plus(Vector([0.6, 0.5, 0.7]).unit().times(0.8 * target.diagonal()));
@@ -211,7 +211,7 @@ pub(super) fn primary(target: &Target) -> Vec<Ray> {
         .collect()
 }
 
-/// From a random point of the box towards another.
+/// Returns rays from random points of the box towards others.
 pub(super) fn random(target: &Target, count: usize) -> Vec<Ray> {
     let mut random = Random::from_state(103);
     let size = Vector(target.max).minus(Vector(target.min));
@@ -227,7 +227,7 @@ pub(super) fn random(target: &Target, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// Rays that leave the primary hits: a diffuse bounce, and a shadow ray to a light above.
+/// Returns rays that leave the primary hits: diffuse bounces, and shadow rays to a light above.
 pub(super) fn secondary(
     target: &Target,
     primary: &[Ray],

@@ -1,8 +1,9 @@
-//! What a tree is held against: a tree so plain that it can be seen to be right, and a loop.
+//! References for the answers of a tree: a simple tree whose correctness is evident, and a loop.
 //!
-//! The plain tree halves the primitives by their middles along the longest axis, tests boxes in `f64`, and calls
-//! the exact test of each primitive it comes to. It shares no code with the trees of `rotund_bvh`. A loop
-//! over a million primitives is too slow for millions of rays, so few rays are held against that.
+//! The simple tree splits the primitives at the median of their centers along the longest axis,
+//! tests boxes in `f64`, and calls the exact test of each primitive that it reaches. It shares no
+//! code with the trees of `rotund_bvh`. A loop over a million primitives is too slow for millions
+//! of rays, so only few rays are compared with it.
 
 use super::recipe::{self, Target};
 use super::shoot::{Primitive, Traced};
@@ -12,10 +13,10 @@ use rotund_bvh::{Isa, Method, PrimitiveHit};
 use rotund_geometry::{Aabb, Ray};
 use rotund_report::console::say;
 
-/// Rays that are held against a loop, from each scene.
+/// How many rays of each scene are compared with a loop.
 const LOOPED: usize = 40;
 
-/// Compares the answers of trees for all sets of instructions, to the bit.
+/// Compares the answers of trees for all instruction sets, to the bit.
 pub(super) fn verify<P: Primitive>(
     scene: &str,
     primitives: &[P],
@@ -31,7 +32,7 @@ pub(super) fn verify<P: Primitive>(
     rays.extend(diffuse);
     rays.extend(shadow);
     let enough = rays.len().min(count);
-    // Spread over the kinds, if they are not all wanted.
+    // A smaller count is spread over all kinds.
     let step = rays.len() / enough.max(1);
     let mut rays: Vec<Ray> = rays.into_iter().step_by(step.max(1)).take(enough).collect();
     rays.extend(recipe::random(target, count - enough));
@@ -44,21 +45,22 @@ pub(super) fn verify<P: Primitive>(
             .then(|| format!("{:?}: {found:?}, {:?}", rays[index], expected[index]))
     });
     if let Some(difference) = looped {
-        bail!("{scene}: the plain tree does not answer as the loop: {difference}");
+        bail!("{scene}: the simple tree and the loop differ: {difference}");
     }
     for &isa in sets {
         let tree = P::build(primitives, isa);
         let difference = rays.par_iter().zip(&expected).find_map_any(|(ray, expected)| {
             let found = (tree.closest(ray, method), tree.any(ray, method));
-            (found != (*expected, expected.is_some()))
-                .then(|| format!("{ray:?}: the tree says {found:?}, the primitives {expected:?}"))
+            (found != (*expected, expected.is_some())).then(|| {
+                format!("{ray:?}: the tree returns {found:?}, the primitives {expected:?}")
+            })
         });
         if let Some(difference) = difference {
             bail!("{scene}, {}: {difference}", isa.name());
         }
         let hits = expected.iter().flatten().count();
         say(format!(
-            "{scene}, {}: {} rays, {hits} hits, closest and any as by the scalar tests, to the bit",
+            "{scene}, {}: {} rays, {hits} hits: closest and any are\n  bit-equal to the scalar tests",
             isa.name(),
             rays.len(),
         ))?;
@@ -66,7 +68,7 @@ pub(super) fn verify<P: Primitive>(
     Ok(())
 }
 
-/// The lowest id among the smallest `t`.
+/// Returns the hit of the smallest `t`, and among equals of the lowest id.
 fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, method: Method) -> Option<PrimitiveHit> {
     let mut best: Option<PrimitiveHit> = None;
     for (id, primitive) in primitives.iter().enumerate() {
@@ -79,7 +81,8 @@ fn over_all<P: Primitive>(primitives: &[P], ray: &Ray, method: Method) -> Option
     best
 }
 
-/// A binary tree: the node `i` has the children `2 i + 1` and `2 i + 2`, and the range of ids is halved.
+/// A binary tree: the node `i` has the children `2 i + 1` and `2 i + 2`, and the range of ids is
+/// halved.
 struct Plain {
     ids: Vec<u32>,
     boxes: Vec<Aabb>,
@@ -117,8 +120,8 @@ impl Plain {
                 let [to_low, to_high] =
                     [low, high].map(|child| entry(&self.boxes[child], ray, t_max));
                 let [low, high] = [(low, range.start..middle), (high, middle..range.end)];
-                // The nearer one is the next: what is found there spares much of the other. None is less than
-                // any, and what is not met is soon done with.
+                // Visit the nearer child first: a hit there prunes much of the other. None sorts
+                // first, and a child that the ray misses is popped at once.
                 waiting.extend(if to_low < to_high { [high, low] } else { [low, high] });
                 continue;
             }
@@ -134,11 +137,11 @@ impl Plain {
     }
 }
 
-/// Orders the ids of a node and of all below it, and fills in their boxes.
+/// Orders the ids below a node, and computes the boxes of all its descendants.
 fn halve(ids: &mut [u32], bounds: &[Aabb], boxes: &mut [Aabb], node: usize) {
     let whole = ids.iter().fold(Aabb::EMPTY, |sum, &id| {
         let bounds = bounds[id as usize];
-        // What has a NaN or no inside cannot be hit.
+        // A box with a NaN or without volume cannot be hit.
         if bounds.is_empty() { sum } else { sum.union(bounds) }
     });
     boxes[node] = whole;
@@ -154,8 +157,8 @@ fn halve(ids: &mut [u32], bounds: &[Aabb], boxes: &mut [Aabb], node: usize) {
     halve(high, bounds, boxes, 2 * node + 2);
 }
 
-/// Where the ray enters the box within its interval up to `t_max`, also if it misses it by a rounding of
-/// `f32`.
+/// Returns where the ray enters the box within its interval up to `t_max`. The box is widened by a
+/// rounding of `f32`.
 fn entry(bounds: &Aabb, ray: &Ray, t_max: f32) -> Option<f64> {
     let slack = 1e-6;
     let mut near = f64::from(ray.t_min);

@@ -1,4 +1,4 @@
-//! Shooting rays: what is shot, at what, and how long it takes.
+//! Traces rays through trees, and times it.
 
 use super::recipe::{self, Target};
 use cpu_time::ThreadTime;
@@ -9,7 +9,7 @@ use rotund_bvh::{
 use rotund_geometry::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
 use std::time::Instant;
 
-/// A tree as it is measured.
+/// A tree that is measured.
 pub(super) trait Traced: Sync {
     fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit>;
     fn any(&self, ray: &Ray, method: Method) -> bool;
@@ -17,7 +17,7 @@ pub(super) trait Traced: Sync {
     fn statistics(&self) -> Statistics;
 }
 
-/// A primitive that there is a tree for.
+/// A primitive with a packed tree.
 pub(super) trait Primitive: Sync + Sized {
     type Tree: Traced + Send;
     fn build(primitives: &[Self], isa: Isa) -> Self::Tree;
@@ -79,14 +79,14 @@ traced! {
 /// The four kinds of rays.
 pub(super) const KINDS: [&str; 4] = ["primary", "diffuse", "shadow", "random"];
 
-/// The rays of a kind, and whether any hit will do.
+/// The rays of a kind, and whether they are occlusion queries.
 pub(super) struct Volley {
     pub(super) name: &'static str,
     pub(super) rays: Vec<Ray>,
     pub(super) any: bool,
 }
 
-/// All rays for a tree.
+/// Generates all rays for a tree.
 pub(super) fn volleys(tree: &impl Traced, target: &Target, method: Method) -> [Volley; 4] {
     let primary = recipe::primary(target);
     let hit = |ray: &Ray| tree.closest(ray, method).map(|found| found.hit);
@@ -108,15 +108,14 @@ pub(super) struct Pass {
     pub(super) hit_share: f64,
 }
 
-/// Shoots on one thread, and takes the CPU seconds of the thread, which do not count what other
-/// programs took.
+/// Traces on one thread, and measures its CPU time, which excludes that of other programs.
 pub(super) fn on_one_thread(tree: &impl Traced, volley: &Volley, method: Method) -> Pass {
     let start = ThreadTime::now();
     let hits = shoot(tree, &volley.rays, volley.any, method);
     pass(volley, hits, start.elapsed().as_secs_f64())
 }
 
-/// Shoots on all threads of the pool, and takes elapsed seconds.
+/// Traces on all threads of the pool, and measures elapsed time.
 pub(super) fn on_all_threads(tree: &impl Traced, volley: &Volley, method: Method) -> Pass {
     let start = Instant::now();
     let hits = volley.rays.par_chunks(4096).map(|rays| shoot(tree, rays, volley.any, method)).sum();
@@ -140,7 +139,7 @@ fn shoot(tree: &impl Traced, rays: &[Ray], any: bool, method: Method) -> usize {
             sum += found.hit.t;
         }
     }
-    // Or the compiler could leave out the hits.
+    // This keeps the compiler from removing the computation of hits.
     std::hint::black_box(sum);
     hits
 }

@@ -1,4 +1,4 @@
-//! What trees are built over: a recipe, or the shapes of a file.
+//! The scenes that trees are built over: a generated one, or the shapes of a file.
 
 use super::measure::{Subject, measure};
 use super::progress::Progress;
@@ -13,7 +13,7 @@ use rotund_scene::{Elements, Shape};
 
 const MILLION: usize = 1_000_000;
 
-/// Makes the scene and measures it, whatever it consists of.
+/// Generates or loads the scene, and measures each of its trees.
 pub(super) fn measure_all(
     name: &str,
     args: &Args,
@@ -47,7 +47,7 @@ pub(super) fn measure_all(
             Some(millions) => sheets.extend(many_spheres(name, millions, args)?),
             None => {
                 let (scene_name, scene) = load(name)?;
-                // Of a lone shape, which has the name of its file, the ground it is put on is left out.
+                // A lone shape has the name of its file; the ground below it is not measured.
                 let lone = scene.shapes.iter().any(|shape| shape.name == scene_name);
                 for (index, shape) in scene.shapes.iter().enumerate() {
                     if !lone || shape.name == scene_name {
@@ -65,7 +65,7 @@ fn check(name: &str, hash: u64, expected: u64) -> Result<()> {
     Ok(())
 }
 
-/// As `spheres-1M`, in other numbers: the volume that is filled stays the same.
+/// Measures as many million spheres as given, which fill the same volume as `spheres-1M`.
 fn many_spheres(name: &str, millions: &str, args: &Args) -> Result<Option<Sheet>> {
     let count = millions.parse::<usize>().ok().and_then(|n| n.checked_mul(MILLION)).unwrap_or(0);
     ensure!(count > 0, "{name}: a whole number of millions was expected, as in spheres-100M");
@@ -73,7 +73,7 @@ fn many_spheres(name: &str, millions: &str, args: &Args) -> Result<Option<Sheet>
         count <= MAX_PRIMITIVES,
         "{name}: a tree holds at most {MAX_PRIMITIVES} primitives, whose numbers have 31 bits"
     );
-    // 16 bytes are the sphere itself; the rest is what `measure` reports.
+    // 16 bytes are the sphere itself; the others are the peak that `measure` reports.
     let needed = 110.0 * count as f64 * memory::GIB_PER_BYTE;
     if let Some(free) = memory::free_gib() {
         ensure!(
@@ -93,7 +93,7 @@ fn many_spheres(name: &str, millions: &str, args: &Args) -> Result<Option<Sheet>
 fn shape_sheet(scene: &str, index: usize, shape: &Shape, args: &Args) -> Result<Option<Sheet>> {
     let at = |vertex: u32| shape.positions[vertex as usize];
     let radius = |vertex: u32| shape.radii.get(vertex as usize).copied().unwrap_or(0.001);
-    // A lone point is as large as its ball.
+    // The box of a single point is that of its ball.
     let centers = Target::around(shape.positions.iter().copied());
     let spread = |p: Vec3| [p - Vec3::splat(radius(0)), p + Vec3::splat(radius(0))];
     let target = match shape.positions.first() {
@@ -107,7 +107,7 @@ fn shape_sheet(scene: &str, index: usize, shape: &Shape, args: &Args) -> Result<
     };
     let subject = Subject { name: &name, known_to_peer: false };
     if !target.has_volume() {
-        say(format!("{name}: left out, since it has no vertices, or all of them at one point"))?;
+        say(format!("{name}: skipped: it has no vertices, or all of them at one point"))?;
         return Ok(None);
     }
     match &shape.elements {

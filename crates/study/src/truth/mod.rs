@@ -1,8 +1,9 @@
-//! Where a ray truly meets a shape: the `f32` input taken as exact numbers, solved in 106 bits.
+//! The true crossings of a ray and a shape: the `f32` input is taken as exact and solved in 106
+//! bits.
 //!
-//! None of these formulas is one of the library's: the sphere is solved about the foot of the
+//! None of the formulas is one of the library's: the sphere is solved about the foot of the
 //! perpendicular, the cone as the hull of two balls and a frustum, the patch by triple products.
-//! Each answer is checked by another road, the distance of the point to the surface.
+//! Tests check each crossing independently, by its distance from the surface.
 
 mod patch;
 mod rounded_cone;
@@ -13,53 +14,54 @@ use rotund_geometry::Ray;
 
 use crate::wide::{Wide, Wide3};
 
-/// A point that the whole line of a ray and the surface have in common.
+/// An intersection of the whole line of a ray with the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     pub(crate) t: Wide,
     pub(crate) point: Wide3,
-    /// Of unit length, out of the solid; of a patch, where its parameters turn counter-clockwise.
+    /// Normal of unit length, out of the solid; for a patch, the side where `u` and `v` are
+    /// counter-clockwise.
     pub(crate) normal: DVec3,
     /// The parameters of a patch.
     pub(crate) uv: Option<DVec2>,
-    /// True on the rim of a patch, where 106 bits do not tell inside from outside.
+    /// True on the boundary of a patch, where 106 bits do not separate inside from outside.
     pub(crate) on_edge: bool,
 }
 
-/// A shape of the library, with its exact answers.
+/// A shape of the library, with its exact solutions.
 pub(crate) trait Exact: Copy + Send + Sync + 'static {
     /// Name on the command line and in a replayed case.
     const NAME: &'static str;
     /// How many numbers define the shape.
     const NUMBERS: usize;
-    /// True if an outward ray cannot meet the shape again.
+    /// Whether the shape is convex, so that an outward ray cannot meet it again.
     const CONVEX: bool;
 
     fn numbers(&self) -> Vec<f32>;
     fn from_numbers(numbers: &[f32]) -> Self;
-    /// All crossings of the line, also behind the origin, in the order of `t`.
+    /// Returns all crossings of the line, also behind the origin, in the order of `t`.
     fn crossings(&self, origin: Wide3, direction: Wide3) -> Vec<Crossing>;
-    /// How far `point` lies from the surface, near the crossing `near`.
+    /// Returns the distance of `point` from the surface near the crossing `near`.
     fn distance(&self, point: Wide3, near: &Crossing) -> f64;
-    /// The largest extent from the middle: what positions are judged against near the origin.
+    /// Returns the largest extent from the center, to which errors near the origin are relative.
     fn size(&self) -> f64;
-    /// The middle.
+    /// Returns the center.
     fn center(&self) -> Vec3;
 }
 
-/// The answer that a closest hit has to give.
+/// The expected answer of a closest-hit query.
 #[derive(Clone, Debug)]
 pub(crate) struct Truth {
     /// All crossings of the line.
     pub(crate) crossings: Vec<Crossing>,
-    /// Which of them is the first in the interval of the ray.
+    /// Index of the first of them in the interval of the ray.
     pub(crate) hit: Option<usize>,
-    /// True if a crossing lies within one rounding of an end of the interval, or if the line touches a
-    /// solid without passing through, or it goes through the rim of a patch: then both answers are right.
+    /// True if a crossing lies within one rounding of an end of the interval, if the line is
+    /// tangent to a solid, or if it meets the boundary of a patch. Then both answers are correct.
     pub(crate) either: bool,
 }
 
-/// The unit of errors in `t`: 2⁻²⁴ of it, which no correct rounding exceeds.
+/// Returns the unit of errors in `t`: 2⁻²⁴ of it, which bounds the error of correct rounding.
 pub(crate) fn unit_of(t: f64) -> f64 {
     (t.abs() * 2f64.powi(-24)).max(2f64.powi(-150))
 }
@@ -80,7 +82,7 @@ impl Truth {
                 .map(f64::from)
                 .any(|end| end.is_finite() && end != 0.0 && (t - end).abs() <= unit_of(t))
         };
-        // 106 bits do not tell a line that touches a solid from one that passes.
+        // 106 bits do not separate a tangent line from one that misses by less.
         let touches = |a: &Crossing, b: &Crossing| {
             S::CONVEX && (b.point - a.point).length().to_f64() <= 1e-13 * shape.size()
         };

@@ -1,8 +1,9 @@
 //! A line and a bilinear patch, by triple products.
 //!
-//! For one `u` the patch is the segment from `A(u)` to `A(u) + E(u)`. It meets the line where `A`, `E`
-//! and the direction lie in a plane through a point of the line, `d·(A × E) = 0`: a quadratic in `u`.
-//! Where the segment is nearly parallel to the line the same is done with `u` and `v` exchanged.
+//! For one `u` the patch is the segment from `A(u)` to `A(u) + E(u)`. It meets the line where `A`,
+//! `E` and the direction lie in a plane through a point of the line, `d·(A × E) = 0`: a quadratic
+//! in `u`. Where the segment is nearly parallel to the line the same is done with `u` and `v`
+//! exchanged.
 //!
 //! Source: A. Reshetov, "Cool patches: a geometric approach to ray/bilinear patch intersections",
 //! in Ray Tracing Gems, 2019, for the quadratic; Newton's method for the last digits.
@@ -13,8 +14,8 @@ use rotund_geometry::BilinearPatch;
 use super::{Crossing, Exact};
 use crate::wide::{Wide, Wide3};
 
-/// Parameters nearer than this to 0 or 1 are on the rim, as far as 106 bits can tell: a ray through a
-/// corner, exactly, comes out on either side of it. Of two neighbours only one counts such a ray.
+/// Parameters nearer than this to 0 or 1 count as on the boundary: with 106 bits a ray exactly
+/// through a corner may come out on either side. Only one of two neighbours counts such a ray.
 const RIM: f64 = 1e-24;
 
 /// The patch as `q + u e + v f + u v w`.
@@ -27,7 +28,7 @@ struct Bilinear {
 }
 
 impl Bilinear {
-    /// The patch seen from `from`.
+    /// Returns the patch relative to `from`.
     fn of(patch: &BilinearPatch, from: Wide3) -> Self {
         let [p00, p10, p01, p11] = [patch.p00, patch.p10, patch.p01, patch.p11].map(Wide3::from);
         Self { q: p00 - from, e: p10 - p00, f: p01 - p00, w: (p11 - p10) - (p01 - p00) }
@@ -42,7 +43,7 @@ impl Bilinear {
     }
 }
 
-/// A solution, and how far the segment it was found on is from parallel to the line (0 to 1).
+/// A solution, with the squared sine of the angle between its segment and the line as its quality.
 #[derive(Clone, Copy)]
 struct Root {
     u: Wide,
@@ -119,7 +120,7 @@ impl Exact for BilinearPatch {
     }
 }
 
-/// The points of `p` on the line through the origin along `d`, by the quadratic in `u`.
+/// Returns the points of `p` on the line through the origin along `d`, by the quadratic in `u`.
 fn solve(p: Bilinear, d: Wide3) -> [Option<Root>; 2] {
     let a = d.dot(p.e.cross(p.w));
     let b = d.dot(p.q.cross(p.w)) + d.dot(p.e.cross(p.f));
@@ -130,7 +131,7 @@ fn solve(p: Bilinear, d: Wide3) -> [Option<Root>; 2] {
     }
     let root = discriminant.sqrt();
     let q = (if b < Wide::ZERO { b - root } else { b + root }) * Wide::from(-0.5);
-    // Without a quadratic part one root is infinite and the other still good.
+    // Without a quadratic term one root is infinite and the other is still accurate.
     let us = [(q != Wide::ZERO).then(|| c / q), (a != Wide::ZERO).then(|| q / a)];
     us.map(|u| {
         let u = u.filter(|u| u.is_finite() && u.abs() < Wide::from(1e3))?;
@@ -147,7 +148,7 @@ fn solve(p: Bilinear, d: Wide3) -> [Option<Root>; 2] {
     })
 }
 
-/// One step of Newton's method for `p(u, v) = t d`, kept if it comes nearer.
+/// Takes one step of Newton's method for `p(u, v) = t d`, and keeps it if the residual shrinks.
 fn polish(p: Bilinear, d: Wide3, root: Root) -> Root {
     let rest = |r: &Root| p.at(r.u, r.v) - d * r.t;
     let (along_u, along_v) = (p.e + p.w * root.v, p.f + p.w * root.u);
@@ -166,7 +167,8 @@ fn polish(p: Bilinear, d: Wide3, root: Root) -> Root {
     if nearer { better } else { root }
 }
 
-/// How far the patch is from zero near `start`: damped Gauss-Newton inside the unit square.
+/// Returns the distance of the patch from zero near `start`, by damped Gauss-Newton in the unit
+/// square.
 ///
 /// The patch was moved to the point in 106 bits, so `f64` resolves 10⁻¹⁶ of its size.
 fn distance_from_zero(p: Bilinear, start: DVec2) -> f64 {
@@ -179,7 +181,7 @@ fn distance_from_zero(p: Bilinear, start: DVec2) -> f64 {
         let (rest, along_u, along_v) = (at(uv), e + w * uv.y, f + w * uv.x);
         let gradient = DVec2::new(rest.dot(along_u), rest.dot(along_v));
         let (uu, uv_, vv) = (along_u.dot(along_u), along_u.dot(along_v), along_v.dot(along_v));
-        // A parameter that stands at its end and wants to go beyond it is held.
+        // A parameter at its end stays there if the gradient points beyond it.
         let held_u = (uv.x <= 0.0 && gradient.x > 0.0) || (uv.x >= 1.0 && gradient.x < 0.0);
         let held_v = (uv.y <= 0.0 && gradient.y > 0.0) || (uv.y >= 1.0 && gradient.y < 0.0);
         let floor = damping * (uu + vv) + f64::MIN_POSITIVE;

@@ -34,7 +34,7 @@ impl Exact for RoundedCone {
     fn crossings(&self, origin: Wide3, direction: Wide3) -> Vec<Crossing> {
         let (p0, p1) = (Wide3::from(self.p0), Wide3::from(self.p1));
         let (r0, r1) = (Wide::from(self.r0), Wide::from(self.r1));
-        // From a point of the line near the shape, so that no square is of a long distance.
+        // Relative to a point of the line near the shape, so that no long distance is squared.
         let middle = (p0 + p1) * Wide::from(0.5);
         let near = (middle - origin).dot(direction) / direction.dot(direction);
         let start = origin + direction * near;
@@ -77,7 +77,7 @@ impl Exact for RoundedCone {
     }
 }
 
-/// Where the line is between the two planes and inside the cone.
+/// Returns the interval where the line is between the two planes and inside the cone.
 fn frustum(x: Wide3, d: Wide3, a: Wide3, r0: Wide, r1: Wide) -> Option<(Wide, Wide)> {
     let (l2, delta) = (a.dot(a), r0 - r1);
     let g = l2 - delta * delta;
@@ -118,7 +118,7 @@ fn frustum(x: Wide3, d: Wide3, a: Wide3, r0: Wide, r1: Wide) -> Option<(Wide, Wi
     let (t0, t1) = if q == Wide::ZERO {
         (Wide::ZERO, Wide::ZERO)
     } else if alpha == Wide::ZERO {
-        // Parallel to a generator: inside on one side of the only root.
+        // The line is parallel to a generator: it is inside on one side of the only root.
         let t = gamma / q;
         return if beta > Wide::ZERO { clip(-Wide::INFINITY, t) } else { clip(t, Wide::INFINITY) };
     } else {
@@ -128,16 +128,16 @@ fn frustum(x: Wide3, d: Wide3, a: Wide3, r0: Wide, r1: Wide) -> Option<(Wide, Wi
     if alpha > Wide::ZERO {
         return clip(t0, t1);
     }
-    // Steeper than the cone: inside before one root and after the other, in two nappes, of which the
-    // planes leave one.
+    // The line is steeper than the cone: it is inside before one root and after the other, in two
+    // nappes, of which the planes select one.
     match (clip(-Wide::INFINITY, t0), clip(t1, Wide::INFINITY)) {
         (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
         (a, b) => a.or(b),
     }
 }
 
-/// The ball, of those swept from one end to the other, whose surface comes nearest to `x`: where
-/// `|x - c(s)| - r(s)`, a convex function of `s`, is least.
+/// Returns the ball of the sweep whose surface is nearest to `x`: the minimum of
+/// `|x - c(s)| - r(s)`, which is a convex function of `s`.
 fn nearest_ball(cone: &RoundedCone, x: Wide3) -> (Wide3, Wide) {
     let (p0, p1) = (Wide3::from(cone.p0), Wide3::from(cone.p1));
     let (r0, r1) = (Wide::from(cone.r0), Wide::from(cone.r1));
@@ -147,7 +147,7 @@ fn nearest_ball(cone: &RoundedCone, x: Wide3) -> (Wide3, Wide) {
     if g <= Wide::ZERO {
         return if delta >= Wide::ZERO { (p0, r0) } else { (p1, r1) };
     }
-    // The normal leans by the angle whose sine is δ / L towards p1.
+    // The normal leans towards p1 by the angle whose sine is δ / L.
     let x = x - p0;
     let s = (x.dot(a) - x.cross(a).length() * delta / g.sqrt()) / l2;
     let s = s.max(Wide::ZERO).min(Wide::ONE);

@@ -50,10 +50,10 @@ impl Exact for Sphere {
     }
 }
 
-/// Where the line enters and leaves a ball.
+/// Returns where the line enters and leaves a ball.
 ///
-/// The foot of the perpendicular lies at `t = (c - o)·d / d·d`; half the chord follows by Pythagoras,
-/// as a product of sum and difference so that a grazing chord keeps its digits.
+/// The foot of the perpendicular lies at `t = (c - o)·d / d·d`; half the chord follows by
+/// Pythagoras, as a product of sum and difference so that a grazing chord keeps its digits.
 pub(super) fn ball(
     origin: Wide3,
     direction: Wide3,
@@ -65,7 +65,7 @@ pub(super) fn ball(
     let foot = to_center.dot(direction) / squared;
     let away = to_center - direction * foot;
     let (apart, square) = (away.length(), away.dot(away));
-    // What touches within the resolution counts as a crossing here, and either way for `Truth`.
+    // A tangent within the resolution counts as a crossing here, and `Truth` accepts either answer.
     if square > radius * radius * (Wide::ONE + Wide::from(2f64.powi(-98))) {
         return None;
     }
@@ -89,7 +89,7 @@ mod tests {
     fn known_answers() {
         let unit = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let table = [
-            // why                              origin                direction             t of both crossings
+            // why origin direction t of both crossings
             ("through the middle", [-5.0, 0.0, 0.0], [1.0, 0.0, 0.0], Some((4.0, 6.0))),
             ("a direction of length 2", [-5.0, 0.0, 0.0], [2.0, 0.0, 0.0], Some((2.0, 3.0))),
             ("the 3-4-5 triangle", [-5.0, 0.6, 0.0], [1.0, 0.0, 0.0], Some((4.2, 5.8))),
@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn a_root_that_f64_cannot_resolve_is_resolved() {
-        // The ray passes 1 - 2⁻²⁴ radii from the center of a sphere at a distance of 2³⁰ radii; in f64
-        // the squares of both cancel to nothing. Half the chord is √(2⁻²³ - 2⁻⁴⁸).
+        // The ray passes 1 - 2⁻²⁴ radii from the center of a sphere at a distance of 2³⁰ radii; in
+        // f64 the squares of both cancel to nothing. Half the chord is √(2⁻²³ - 2⁻⁴⁸).
         let sphere = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let origin = Vec3::new(-(2f32.powi(30)), 1.0 - 2f32.powi(-24), 0.0);
         let truth = Truth::of(&sphere, &Ray::new(origin, Vec3::X));

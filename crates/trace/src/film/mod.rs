@@ -10,7 +10,7 @@ pub use accumulate::{FilmSample, Progress};
 pub use merge::MergeError;
 pub(crate) use pixel::PixelSum;
 
-use crate::{Options, RenderError, Shard};
+use crate::{FilmError, Options, RenderError, Shard};
 use glam::Vec3;
 use rotund_image::Image;
 
@@ -51,19 +51,6 @@ pub struct Film {
     /// Number of pixels with exactly `samples` samples. When it reaches 0, the minimum has risen
     /// and is computed anew, so reading it costs nothing however large the film is.
     behind: usize,
-}
-
-/// A reason why a film cannot be made or added to.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages describe variants and fields")]
-#[non_exhaustive]
-pub enum FilmError {
-    #[error("a film of {width} x {height} has no pixels")]
-    Empty { width: u32, height: u32 },
-    #[error("a film of {width} x {height} does not fit into memory: it takes 64 bytes a pixel")]
-    TooLarge { width: u32, height: u32 },
-    #[error("pixel ({x}, {y}) is outside of a film of {width} x {height}")]
-    OutOfRange { x: u32, y: u32, width: u32, height: u32 },
 }
 
 impl Film {

@@ -1,15 +1,15 @@
-//! The frames of instances in a PLY file.
+//! Reader of frames of instances in PLY files.
 
 use super::{header, input::Input, rows::Rows};
 use crate::load::error::LoadProblem;
 use glam::Affine3A;
 use std::io::BufRead;
 
-/// The axes x, y and z, and the origin.
+/// The properties of a frame: x, y and z axes and the origin.
 const COLUMNS: [&str; 12] =
     ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz", "ox", "oy", "oz"];
 
-/// Reads the element `instance`, of twelve numbers each.
+/// Reads the frames, elements `instance` of twelve numbers.
 pub(in crate::load) fn read_frames<R: BufRead>(
     reader: R,
     length: u64,

@@ -1,10 +1,10 @@
-//! The header of a PLY file: which elements follow, and how they are written.
+//! The header of a PLY file: the encoding and the elements with their properties.
 
 use super::input::Input;
 use crate::load::error::LoadProblem;
 use std::io::BufRead;
 
-/// How numbers are written.
+/// The encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -21,7 +21,7 @@ pub(super) enum Type {
     U16,
     I32,
     U32,
-    /// This and the next are none of Turk's, but yocto-gl knows them.
+    /// 64-bit integers are an extension of yocto-gl.
     I64,
     U64,
     F32,
@@ -45,7 +45,7 @@ impl Type {
         })
     }
 
-    /// Bytes in a binary file.
+    /// Returns the size in bytes in a binary file.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -59,14 +59,14 @@ impl Type {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// The value that stands for 1 if a colour is stored in this type.
+    /// Returns the value that represents 1 in colours of this type.
     pub(super) fn one(self) -> f32 {
         match self {
             Self::I8 => f32::from(i8::MAX),
             Self::U8 => f32::from(u8::MAX),
             Self::I16 => f32::from(i16::MAX),
             Self::U16 => f32::from(u16::MAX),
-            // 2^31, 2^32, 2^63 and 2^64 less 1, in f32.
+            // 2^31 - 1, 2^32 - 1, 2^63 - 1 and 2^64 - 1, rounded to f32.
             Self::I32 => i32::MAX as f32,
             Self::U32 => u32::MAX as f32,
             Self::I64 => i64::MAX as f32,
@@ -76,7 +76,7 @@ impl Type {
     }
 }
 
-/// One number, or a list of numbers after its length.
+/// A property: one number, or a list of numbers preceded by its length.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub name: String,
@@ -93,7 +93,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The least number of bytes that one of these takes.
+    /// Returns the least number of bytes of one element.
     pub(super) fn least_size(&self, encoding: Encoding) -> u64 {
         let size = |property: &Property| match encoding {
             // A digit and a separator.
@@ -110,10 +110,10 @@ pub(super) struct Header {
     pub elements: Vec<Element>,
 }
 
-/// A line of a header is a few words: what is longer is not a PLY file.
+/// Longer lines do not occur in headers: the file is not a PLY file.
 const LONGEST_LINE: usize = 4096;
 
-/// Reads up to the line `end_header`, which it consumes.
+/// Reads the header including the line `end_header`.
 pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProblem> {
     let mut line_number = 0;
     let mut encoding = None;

@@ -1,10 +1,10 @@
-//! Bytes and words of a file whose length is known, and never asks for memory beyond it.
+//! Buffered input of bytes and words from a file of known length, which bounds all allocations.
 
 use crate::load::error::LoadProblem;
 use std::io::{self, BufRead};
 
 pub(super) struct Input<R> {
-    /// Bytes that the file still has, if its length was told rightly.
+    /// Bytes left in the file, by the length given.
     pub remaining: u64,
     reader: R,
 }
@@ -14,8 +14,8 @@ impl<R: BufRead> Input<R> {
         Self { remaining: length, reader }
     }
 
-    /// The next line without its end, or `None` if the file ends first or the line is longer than
-    /// `longest`.
+    /// Reads a line without its terminator; `None` if the file ends first or the line is longer
+    /// than `longest`.
     pub(super) fn line(&mut self, longest: usize) -> Result<Option<Vec<u8>>, LoadProblem> {
         let mut line = Vec::new();
         loop {
@@ -28,7 +28,7 @@ impl<R: BufRead> Input<R> {
         }
     }
 
-    /// Fills `bytes`, or says that the file ends first.
+    /// Fills `bytes`; returns false if the file ends first.
     pub(super) fn bytes(&mut self, bytes: &mut [u8]) -> Result<bool, LoadProblem> {
         match self.reader.read_exact(bytes) {
             Ok(()) => {
@@ -40,25 +40,25 @@ impl<R: BufRead> Input<R> {
         }
     }
 
-    /// The bytes that need no more reading; empty if the file ends.
+    /// Returns the buffered bytes, reading some if there are none; empty at the end of the file.
     pub(super) fn at_hand(&mut self) -> Result<&[u8], LoadProblem> {
         while let Err(error) = self.reader.fill_buf() {
             if error.kind() != io::ErrorKind::Interrupted {
                 return Err(LoadProblem::Read { error });
             }
         }
-        // Full already, so this does not fail.
+        // The buffer is full, so this does not fail.
         Ok(self.reader.fill_buf().unwrap_or_default())
     }
 
-    /// Passes over bytes that were at hand.
+    /// Skips buffered bytes.
     pub(super) fn consume(&mut self, count: usize) {
         self.reader.consume(count);
         self.remaining = self.remaining.saturating_sub(count as u64);
     }
 
-    /// The next word between white space into `word`, or says that the file ends first. No number
-    /// is longer than `word` may grow, so a longer word is cut.
+    /// Reads the next word between white space into `word`; returns false if the file ends first.
+    /// Longer words than any number are cut.
     pub(super) fn word(&mut self, word: &mut String) -> Result<bool, LoadProblem> {
         const LONGEST: usize = 400;
         word.clear();

@@ -1,11 +1,11 @@
-//! Shapes in PLY files, ASCII or binary of either byte order.
+//! Reader of PLY files, ASCII or binary of either byte order.
 //!
-//! An own reader, because what a cloud of ten million points needs is what the libraries at hand do
-//! not give: they make a value of each element, by name and one property at a time, and only then
-//! can the values be moved into arrays, which takes more than twice the memory of the arrays. This
-//! one decodes blocks of rows on all threads, straight into the arrays of a [`Mesh`].
+//! Available libraries create a value for each element, by name and one property at a time, and
+//! only then can the values be moved to arrays, which takes more than twice the memory of the
+//! arrays. This reader decodes blocks of rows on all threads directly into the arrays of a
+//! [`Mesh`], as clouds of ten million points require.
 //!
-//! Source: G. Turk, "The PLY polygon file format", 1994, with the names of properties that yocto-gl
+//! Source: G. Turk, "The PLY polygon file format", 1994, with the property names that yocto-gl
 //! writes.
 
 mod frames;
@@ -24,7 +24,7 @@ use std::io::BufRead;
 
 /// Reads a mesh from `reader`, which holds `length` bytes.
 ///
-/// Memory grows with what was read, never with what a header claims.
+/// Memory is bounded by the bytes read, not by the counts in the header.
 pub(crate) fn read<R: BufRead + Send>(reader: R, length: u64) -> Result<Mesh, LoadProblem> {
     let mut input = Input::new(reader, length);
     let header = header::read(&mut input)?;
@@ -55,10 +55,10 @@ pub(crate) fn read<R: BufRead + Send>(reader: R, length: u64) -> Result<Mesh, Lo
     Ok(mesh)
 }
 
-/// The names of the list of vertices in the wild.
+/// The names of the list of vertices in use.
 const VERTICES: &[&str] = &["vertex_indices", "vertex_index"];
 
-/// Refuses counts that the rest of the file cannot hold, before anything is allocated for them.
+/// Refuses counts that the rest of the file cannot hold, before any allocation.
 fn check_size<R>(
     input: &Input<R>,
     element: &Element,

@@ -1,4 +1,4 @@
-//! The elements of a PLY file, row by row.
+//! Decoding of the elements of a PLY file, row by row.
 
 use super::{
     header::{Element, Encoding, Property, Type},
@@ -7,18 +7,18 @@ use super::{
 use crate::load::error::LoadProblem;
 use std::io::BufRead;
 
-/// The rows of one element, not yet read.
+/// The rows of one kind of element, to be read.
 pub(super) struct Rows<'a, R> {
     pub input: &'a mut Input<R>,
     pub element: &'a Element,
     pub encoding: Encoding,
-    /// How many vertices the file claims to have: for messages.
+    /// The number of vertices by the header, for messages.
     vertices: u64,
     word: String,
     bytes: Vec<u8>,
 }
 
-/// Read and decoded at a time: few enough for a cache.
+/// The number of rows in a block, which fits into the cache.
 pub(super) const ROWS: usize = 1 << 12;
 
 /// Calls a macro with the Rust type of a number.
@@ -49,7 +49,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         Self { input, element, encoding, vertices, word: String::new(), bytes: Vec::new() }
     }
 
-    /// Passes over all rows.
+    /// Skips all rows.
     pub(super) fn skip(&mut self) -> Result<(), LoadProblem> {
         match self.row_size() {
             Some(_) => self.blocks().try_for_each(|block| block.map(drop)),
@@ -57,7 +57,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         }
     }
 
-    /// The bytes that each row takes, if they are as many in all.
+    /// Returns the size of a row in bytes; `None` if rows differ.
     pub(super) fn row_size(&self) -> Option<usize> {
         let properties = &self.element.properties;
         let fixed = properties.iter().all(|property| property.count.is_none());
@@ -65,8 +65,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
             .then(|| properties.iter().map(|property| property.item.size()).sum())
     }
 
-    /// The bytes of all rows, [`ROWS`] in each block but the last; none unless there is a
-    /// [`Rows::row_size`].
+    /// Reads all rows in blocks of [`ROWS`]; yields nothing unless rows have the same size.
     pub(super) fn blocks(&mut self) -> impl Iterator<Item = Result<Vec<u8>, LoadProblem>> {
         let size = self.row_size().unwrap_or(0);
         let count = if size == 0 { 0 } else { self.element.count };
@@ -77,8 +76,8 @@ impl<'a, R: BufRead> Rows<'a, R> {
         })
     }
 
-    /// Calls `each` with the numbers of a row: `columns` says for each property where it goes.
-    /// Lists go nowhere.
+    /// Calls `each` with the numbers of each row. `columns` has the index of each property in the
+    /// row; lists are skipped.
     pub(super) fn for_each_row<const N: usize>(
         &mut self,
         columns: &[Option<usize>],
@@ -86,7 +85,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
     ) -> Result<(), LoadProblem> {
         let element = self.element;
         if element.properties.is_empty() {
-            // Rows of nothing, in whatever number.
+            // The count of rows without properties may be arbitrarily large.
             return Ok(());
         }
         let mut row = [0.0; N];
@@ -106,8 +105,8 @@ impl<'a, R: BufRead> Rows<'a, R> {
         Ok(())
     }
 
-    /// Calls `each` with the list of vertices of a row, the first property with one of `names`, which has at
-    /// least so many items.
+    /// Calls `each` with the list of vertices of each row, the first property with one of `names`.
+    /// Refuses lists of fewer than `least` items.
     pub(super) fn for_each_list(
         &mut self,
         names: &[&str],
@@ -134,7 +133,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
             })
         };
         let vertex = |index: u64, value: f64| {
-            // A fraction is no index; the cast saturates, so nothing wraps round.
+            // Refuse fractions. The casts saturate, so no value wraps around.
             if value.fract() == 0.0 && (0.0..4_294_967_295.0).contains(&value) {
                 return Ok(value as u32);
             }
@@ -148,7 +147,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         let mut list = Vec::new();
         let mut index = 0;
         while index < element.count {
-            // Of lists that are at hand as a whole, nothing has to be asked for each number.
+            // Lists that are buffered as a whole need no check of each number.
             if let ([property], false) = (&element.properties[..], self.encoding == Encoding::Ascii)
             {
                 let mut at_hand = self.input.at_hand()?;
@@ -259,8 +258,8 @@ impl<'a, R: BufRead> Rows<'a, R> {
     }
 }
 
-/// The items of the list that `bytes` begin with, and what follows; `None` if it ends later, or has no
-/// good length.
+/// Splits the list that `bytes` begin with from the rest; `None` if it is incomplete or its length
+/// is invalid.
 fn whole_list<'a>(
     property: &Property,
     encoding: Encoding,
@@ -268,13 +267,12 @@ fn whole_list<'a>(
 ) -> Option<(&'a [u8], &'a [u8])> {
     let (count, items) = bytes.split_at_checked(property.count?.size())?;
     let count = decode(property.count?, encoding, count);
-    // The cast saturates, so no negative count looks like another; what is too long is not there.
+    // The cast saturates: a length that is too large exceeds the bytes.
     let size = (count >= 0.0).then(|| (count as usize).checked_mul(property.item.size()))??;
     items.split_at_checked(size)
 }
 
-/// Appends to `column` the numbers of type `item` that stand `offset` bytes into the rows of a
-/// block.
+/// Appends to `column` the numbers of type `item` at `offset` bytes in each row of a block.
 #[expect(clippy::cast_lossless, reason = "of all types, most lose nothing")]
 pub(super) fn decode_column(
     encoding: Encoding,
@@ -282,7 +280,7 @@ pub(super) fn decode_column(
     (size, offset, item): (usize, usize, Type),
     column: &mut Vec<f32>,
 ) {
-    // The type is the same for all rows: one loop for each keeps the question out of it.
+    // One loop for each type, so that the loop has no branch on it.
     macro_rules! each {
         ($type:ty) => {
             match encoding {
@@ -302,7 +300,7 @@ pub(super) fn decode_column(
     for_type!(item, each);
 }
 
-/// Integers of 64 bits are exact up to 2^53, which no count and no index of a file passes.
+/// Decodes a number. 64-bit integers are exact up to 2^53, more than any count or index of a file.
 #[expect(clippy::cast_lossless, reason = "of all types, most lose nothing")]
 fn decode(item: Type, encoding: Encoding, bytes: &[u8]) -> f64 {
     macro_rules! decode {
@@ -316,7 +314,7 @@ fn decode(item: Type, encoding: Encoding, bytes: &[u8]) -> f64 {
     for_type!(item, decode)
 }
 
-/// The first bytes; zeros where the slice is shorter, which callers rule out.
+/// Returns the first `N` bytes; zeros if the slice is shorter, which callers exclude.
 pub(super) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     bytes.first_chunk().copied().unwrap_or([0; N])
 }

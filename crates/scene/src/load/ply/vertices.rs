@@ -1,4 +1,4 @@
-//! The vertices of a PLY file.
+//! Decoding of the vertices of a PLY file into the arrays of a mesh.
 
 use super::{
     header::{Encoding, Type},
@@ -18,7 +18,7 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-/// Where the numbers of a vertex go, by all names in use.
+/// The columns of vertex data, each with all names in use.
 const COLUMNS: [&[&str]; 13] = [
     &["x"],
     &["y"],
@@ -41,13 +41,12 @@ const COLOR: usize = 8;
 const ALPHA: usize = 11;
 const RADIUS: usize = 12;
 
-/// Reads positions and whatever else of the above there is; other properties are passed over.
+/// Reads positions and the other columns that are present; skips other properties.
 ///
-/// Colours in integers are sRGB, as in images, of which the largest integer stands for 1; colours
-/// in floating point are linear.
+/// Colours in integers are sRGB as in images, and the largest integer represents 1; colours in
+/// floating point are linear.
 ///
-/// Rows of the same size are read one block after the other and decoded on all threads, straight into
-/// the arrays.
+/// Rows of fixed size are read block by block and decoded on all threads directly into the arrays.
 pub(super) fn read<R: BufRead + Send>(
     rows: &mut Rows<'_, R>,
     mesh: &mut Mesh,
@@ -72,7 +71,8 @@ pub(super) fn read<R: BufRead + Send>(
                 if let Some(offset) = layout.positions_at {
                     chunk.copy_positions(&block, size, offset);
                 }
-                // While they are in the cache: to look again costs as much as to read the file.
+                // Check while the block is in the cache: a second pass would take as long as
+                // reading the file.
                 if !chunk.is_sound() {
                     odd.store(true, Ordering::Relaxed);
                 }
@@ -103,19 +103,19 @@ pub(super) fn read<R: BufRead + Send>(
     Ok(())
 }
 
-/// Some rows, column by column as in [`COLUMNS`]; columns that the file does not have stay empty.
+/// A block of rows by column, as in [`COLUMNS`]; columns that the file does not have are empty.
 type Columns = [Vec<f32>; COLUMNS.len()];
 
-/// Which columns the file has.
+/// The columns of the file and their order.
 struct Layout {
     encoding: Encoding,
-    /// Of each property its type, and where it goes.
+    /// The type of each property, and its column.
     items: Vec<Type>,
     columns: Vec<Option<usize>>,
-    /// Of each column.
+    /// The type of each column.
     types: [Option<Type>; COLUMNS.len()],
-    /// How far into a row x, y and z stand if they do so together, in the form in which they are kept: then
-    /// they need no columns.
+    /// Offset in a row of x, y and z, if they are adjacent and have the layout of the array, so
+    /// that they are copied without columns.
     positions_at: Option<usize>,
 }
 
@@ -125,7 +125,7 @@ impl Layout {
         let mut columns = Vec::new();
         for property in &rows.element.properties {
             let named = COLUMNS.iter().position(|names| names.contains(&property.name.as_str()));
-            // The first of two properties with one meaning counts.
+            // Of properties with the same meaning, the first counts.
             let column = named.filter(|&i| property.count.is_none() && types[i].is_none());
             if let Some(i) = column {
                 types[i] = Some(property.item);
@@ -150,8 +150,8 @@ impl Layout {
         self.types[first..first + count].iter().all(Option::is_some)
     }
 
-    /// Zeros that no one has written: the system hands them out when they are first touched, to the
-    /// thread that decodes there. The file was found long enough for this many.
+    /// Allocates the arrays as untouched zero pages, which the system maps at the first write, by
+    /// the thread that decodes there. The length of the file has been checked for this count.
     fn make_room(&self, mesh: &mut Mesh, count: usize) {
         let room = |first, columns| if self.has(first, columns) { count } else { 0 };
         mesh.positions = zeroed_vec(count);
@@ -161,7 +161,7 @@ impl Layout {
         mesh.radii = zeroed_vec(room(RADIUS, 1));
     }
 
-    /// The rows of a block, of `size` bytes each.
+    /// Decodes the rows of a block, of `size` bytes each.
     fn decode(&self, block: &[u8], size: usize, columns: &mut Columns) {
         let mut offset = 0;
         for (&item, &column) in self.items.iter().zip(&self.columns) {
@@ -175,7 +175,7 @@ impl Layout {
         self.make_linear(columns);
     }
 
-    /// Scales integers of colours to 1, and undoes sRGB.
+    /// Scales integer colours to `0.0..=1.0` and decodes sRGB.
     fn make_linear(&self, columns: &mut Columns) {
         for (i, column) in columns.iter_mut().enumerate().take(ALPHA + 1).skip(COLOR) {
             let Some(integer) = self.types[i].filter(|item| item.is_integer()) else { continue };
@@ -193,7 +193,7 @@ impl Layout {
     }
 }
 
-/// The arrays of a mesh, [`ROWS`] vertices at a time.
+/// The arrays of a mesh in chunks of [`ROWS`] vertices.
 struct Chunks<'a> {
     positions: ChunksMut<'a, Vec3>,
     normals: ChunksMut<'a, Vec3>,
@@ -214,7 +214,7 @@ impl<'a> Chunks<'a> {
     }
 }
 
-/// Some vertices of the arrays; what the file does not have is empty.
+/// A chunk of vertices; arrays that the file does not have are empty.
 struct Chunk<'a> {
     positions: &'a mut [Vec3],
     normals: &'a mut [Vec3],
@@ -238,7 +238,7 @@ impl<'a> Iterator for Chunks<'a> {
 }
 
 impl Chunk<'_> {
-    /// From rows of `size` bytes, `offset` bytes into each.
+    /// Copies positions from rows of `size` bytes, at `offset` in each.
     fn copy_positions(&mut self, block: &[u8], size: usize, offset: usize) {
         for (to, row) in self.positions.iter_mut().zip(block.chunks_exact(size)) {
             *to = Vec3::from_array(
@@ -247,9 +247,9 @@ impl Chunk<'_> {
         }
     }
 
-    /// Whether nothing in it has to be refused, mended or told about.
+    /// Returns true if all values are valid.
     fn is_sound(&self) -> bool {
-        // Sums over all, for to stop at the first takes longer.
+        // Without early exit, so that the loops vectorize.
         let all = |sound: bool, next: bool| sound & next;
         self.positions.iter().map(|p| p.is_finite()).fold(true, all)
             & self.radii.iter().map(is_radius).fold(true, all)

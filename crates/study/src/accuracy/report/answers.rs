@@ -1,4 +1,4 @@
-//! Two published statements, held against the figures of this run.
+//! Two published statements, compared with the figures of this run.
 
 use std::fmt::Write as _;
 

@@ -13,10 +13,10 @@ use crate::accuracy::{
 };
 use crate::truth::Truth;
 
-/// Pixels of a side.
+/// Pixels along a side.
 const SIDE: u32 = 128;
 
-/// Pixels of false answers, and of rays that rightly miss.
+/// Colors of false answers, and of rays that correctly miss.
 const FALSE_MISS: [u8; 3] = [0, 200, 255];
 const FALSE_HIT: [u8; 3] = [120, 255, 80];
 const WRONG_ROOT: [u8; 3] = [255, 80, 255];
@@ -30,11 +30,11 @@ pub(super) struct Maps {
     pub(super) normal: String,
 }
 
-/// Ends of the two scales, as powers of ten: units of 2⁻²⁴ max(|p|, size), and degrees.
+/// Ends of the two color scales as powers of ten: units of 2⁻²⁴ max(|p|, size), and degrees.
 pub(super) const POSITION_SCALE: (f64, f64) = (-1.0, 5.0);
 pub(super) const NORMAL_SCALE: (f64, f64) = (-7.0, 1.0);
 
-/// A shape that is looked at, from so many of its sizes away.
+/// A shape with an example for the maps, seen from `FROM` of its sizes away.
 pub(super) trait Shown: Measured {
     const FROM: f64;
     fn shown() -> Self;
@@ -67,7 +67,7 @@ impl Shown for BilinearPatch {
     }
 }
 
-/// The maps of all methods of a shape.
+/// Draws the maps of all methods of a shape.
 pub(super) fn maps<S: Shown>(methods: &[&Method<S>]) -> Result<Vec<Maps>> {
     methods
         .par_iter()
@@ -85,7 +85,7 @@ pub(super) fn maps<S: Shown>(methods: &[&Method<S>]) -> Result<Vec<Maps>> {
         .collect()
 }
 
-/// The colors of one pixel.
+/// Returns the colors of one pixel in both maps.
 fn look<S: Shown>(method: &Method<S>, x: u32, y: u32) -> [[u8; 3]; 2] {
     let shape = S::shown();
     let forward = DVec3::new(0.31, 0.42, -0.85).normalize();
@@ -123,12 +123,12 @@ fn look<S: Shown>(method: &Method<S>, x: u32, y: u32) -> [[u8; 3]; 2] {
     )
 }
 
-/// The color of a share of the scale.
+/// Returns the color at a share of the scale.
 fn scale(share: f64) -> [u8; 3] {
     colorous::VIRIDIS.eval_continuous(share).as_array()
 }
 
-/// The scale as a picture.
+/// Draws the color scale.
 pub(super) fn scale_bar() -> Result<String> {
     Ok(exact(&Image::from_srgb_fn(256, 12, |x, _| scale(f64::from(x) / 255.0)))?)
 }
@@ -137,7 +137,7 @@ pub(super) fn scale_bar() -> Result<String> {
 mod tests {
     use super::*;
 
-    /// Shares of pixels with a color of false answers.
+    /// Returns the share of the shape's pixels that have a color of false answers.
     fn false_share<S: Shown>(method: &Method<S>) -> f64 {
         let pixels = (0..SIDE).step_by(4).flat_map(|y| (0..SIDE).step_by(4).map(move |x| (x, y)));
         let colors: Vec<[u8; 3]> = pixels.map(|(x, y)| look(method, x, y)[0]).collect();

@@ -17,7 +17,7 @@ use super::{
 use crate::truth::Exact;
 use rotund_report::html::{self, escape};
 
-/// The page.
+/// Writes the page.
 pub(super) fn page(study: &Study, verdicts: &[Verdict], options: &Options) -> Result<String> {
     let mut body = String::new();
     let met = verdicts.iter().filter(|v| v.met).count();
@@ -67,7 +67,7 @@ fn heading(shape: &str) -> &'static str {
     }
 }
 
-/// What the binary was compiled for, which decides about fused multiply-add and wide registers.
+/// Names the target of the build, which decides about fused multiply-add and wide registers.
 fn target_processor() -> String {
     let features = [
         ("AVX-512", cfg!(target_feature = "avx512f")),

@@ -15,12 +15,12 @@ use crate::accuracy::{
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::html::escape;
 
-/// A quantity that is drawn: its title, its axis, the value that stands for zero, and how to get it.
+/// A quantity of the curves: title, axis, the value at which zero is drawn, and how to read it.
 struct Quantity {
     title: &'static str,
     axis: &'static str,
     floor: f64,
-    /// Nothing without a right hit.
+    /// Returns `None` if there is no correct hit.
     of: fn(&MethodResult) -> Option<f64>,
 }
 
@@ -53,7 +53,7 @@ fn p99(spread: Spread) -> Option<f64> {
     (spread.count > 0).then_some(spread.p99)
 }
 
-/// Table, scatter and curves.
+/// Writes the table, the scatter plots and the curves.
 pub(super) fn section(body: &mut String, shape: &ShapeResult) {
     let summaries = shape.summaries();
     table(body, shape, &summaries);
@@ -113,7 +113,7 @@ fn times(shape: &ShapeResult, method: &str) -> [String; 6] {
     ]
 }
 
-/// Time against error: of all rays together, and of the typical family.
+/// Writes plots of time against error: over all rays, and for the median family.
 fn scatters(body: &mut String, shape: &ShapeResult, summaries: &[(&'static str, Summary)]) {
     if shape.timings.is_empty() {
         return;
@@ -221,7 +221,7 @@ fn joints(body: &mut String, shape: &ShapeResult, summaries: &[(&'static str, Su
     body.push_str("</table></div>");
 }
 
-/// The maps of all methods.
+/// Writes the maps of all methods.
 pub(super) fn heat_maps<S: Shown>(body: &mut String, options: &Options) -> Result<()> {
     let maps = heat::maps::<S>(&options.methods::<S>())?;
     let _ = write!(
@@ -254,7 +254,7 @@ pub(super) fn heat_maps<S: Shown>(body: &mut String, options: &Options) -> Resul
     Ok(())
 }
 
-/// Worst cases, and all rows of the own methods.
+/// Writes the worst cases, and all rows of our methods.
 pub(super) fn details(body: &mut String, shape: &ShapeResult, study: &Study) {
     let _ = write!(
         body,
@@ -321,7 +321,7 @@ pub(super) fn details(body: &mut String, shape: &ShapeResult, study: &Study) {
     }
 }
 
-/// The worst row of each kind of error.
+/// Returns the worst case of each kind of error, with its row.
 fn worst_cases<'a>(shape: &'a ShapeResult, method: &str) -> Vec<(&'a str, &'a str, f64, &'a str)> {
     let mut worst: Vec<(&str, &str, f64, &str)> = Vec::new();
     for row in &shape.rows {
