@@ -6,7 +6,7 @@
 //! | `pixel` | Student's t for each pixel and channel | a leak of one pixel |
 //! | `block` | the same for the mean of each 8 x 8 block | a wrong normal, a shifted texture |
 //! | `energy` | the same for the mean of the picture | a loss of one percent of the light |
-//! | `flip` | is the visible difference within that of the noise | faint changes over large areas that are visible |
+//! | `flip` | is the visible difference within that of the noise | visible changes of large areas |
 //!
 //! The three t-tests together fail by chance in at most one of a thousand runs over a whole set of
 //! pictures: see [`FALSE_ALARMS`](crate::FALSE_ALARMS). [`crate::surface`] compares what has no
