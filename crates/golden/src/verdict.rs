@@ -196,10 +196,11 @@ pub(crate) fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64
     let mut noisy = clean.clone();
     for (i, pixel) in noisy.pixels.iter_mut().enumerate() {
         let normal = normal(i as u32);
-        for channel in 0..3 {
+        // Alpha is the fourth channel.
+        for (channel, value) in pixel.iter_mut().take(3).enumerate() {
             let error = compare(actual, reference, [i].into_iter(), channel).error;
             // The same number for all channels: noise changes brightness more than hue.
-            pixel[channel] = (pixel[channel] + normal * error as f32).max(0.0);
+            *value = (*value + normal * error as f32).max(0.0);
         }
     }
     let noise = Difference::between(&noisy, &clean)?.metrics.flip_mean;
