@@ -1,5 +1,5 @@
-//! What the fuzz targets share: a folder to load from, an allocator that counts, and what has to
-//! hold of whatever loads.
+//! Shared parts of the fuzz targets: a folder to load from, an allocator that counts, and the
+//! invariants of loaded scenes.
 //!
 //! From the root of the workspace, with a nightly compiler and `cargo install cargo-fuzz`:
 //!

@@ -28,11 +28,11 @@ pub enum GoldenError {
     #[error(transparent)]
     Load(#[from] Box<LoadError>),
     #[error("the scene of picture {name:?} is not valid")]
-    Scene { name: String, source: SceneError },
+    Scene { name: String, source: Box<SceneError> },
     #[error("the scene of picture {name:?} has no camera")]
     NoCamera { name: String },
     #[error("picture {name:?} cannot be rendered")]
-    Render { name: String, source: RenderError },
+    Render { name: String, source: Box<RenderError> },
     #[error("picture {name:?} cannot be compared")]
     Compare { name: String, source: CompareError },
     #[error("{} is not a reference picture: {problem}", path.display())]

@@ -21,9 +21,11 @@
 //! - **Surfaces**. Sixteen fixed rays per pixel find coverage, number of surfaces, shadows, depth,
 //!   normals, texture coordinates and colours. These have no noise, so a single wrong ray fails.
 //!
-//! **False alarms**: a run over a whole suite in which nothing changed fails with a probability of
-//! at most [`FALSE_ALARMS`], 1 in 1000, by Bonferroni's inequality over all tests of all pictures.
-//! Settings are fixed, so a run that passes keeps passing until something changes.
+//! **False alarms**: the t-tests of a run over a whole suite in which nothing changed fail with a
+//! probability of at most [`FALSE_ALARMS`], 1 in 1000, by Bonferroni's inequality over all tests of
+//! all pictures. FLIP has a margin instead of a probability: its limit lies half above the measured
+//! noise. The random numbers of a check are fixed, so a check that passes keeps passing until
+//! something changes.
 //!
 //! **Smallest loss found**: a picture that lost [`SMALLEST_LOSS`], 1 %, of its light fails with a
 //! probability of at least 99 %. A picture that is too noisy for that is refused when it is

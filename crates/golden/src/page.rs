@@ -70,7 +70,7 @@ pub fn failure_page(failures: &[Failure], accept: &str) -> Result<String, Encode
         if let Some([expected, actual]) = &failure.surfaces {
             figures.push(("Expected normals".to_owned(), normals(expected)));
             figures.push(("Actual normals".to_owned(), normals(actual)));
-            let caption = "Pixels whose coverage, crossings, shadow, depth, normal, texcoord or colour differ";
+            let caption = "Pixels in which a check of the surface fails";
             figures.push((caption.to_owned(), differing(expected, actual)));
         }
         for (caption, image) in figures {

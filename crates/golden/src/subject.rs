@@ -37,7 +37,10 @@ impl Subject {
     /// Builds what rays need, for trees to be traversed with these instructions. `name` is that of
     /// the picture, for errors.
     pub(crate) fn new(name: &str, scene: Scene, isa: Isa) -> Result<Self, GoldenError> {
-        let refused = |source| GoldenError::Scene { name: name.to_owned(), source };
+        let refused = |error| {
+            let source = Box::new(error);
+            GoldenError::Scene { name: name.to_owned(), source }
+        };
         if scene.cameras.is_empty() {
             return Err(GoldenError::NoCamera { name: name.to_owned() });
         }
@@ -68,9 +71,13 @@ impl Subject {
         replicas: u32,
         seed: u32,
     ) -> Result<Moments, GoldenError> {
-        let failed = |source| GoldenError::Render { name: self.name.clone(), source };
-        let world = World::from_parts(&self.scene, &self.trees, &self.lights)
-            .map_err(|source| GoldenError::Scene { name: self.name.clone(), source })?;
+        let failed = |error| {
+            let source = Box::new(error);
+            GoldenError::Render { name: self.name.clone(), source }
+        };
+        let world = World::from_parts(&self.scene, &self.trees, &self.lights).map_err(|error| {
+            GoldenError::Scene { name: self.name.clone(), source: Box::new(error) }
+        })?;
         let mut moments = Moments::empty(plan.width as usize, plan.height as usize);
         for replica in 0..replicas {
             let options = Options {

@@ -183,7 +183,7 @@ impl Suite {
             match self.examine(case, &self.settings)? {
                 Outcome::Judged(judged) => failures.extend(judged.into_failure(&case.name)),
                 Outcome::Failed(complaint) => {
-                    complaints.push(format!("{}: {complaint}", case.name))
+                    complaints.push(format!("{}: {complaint}", case.name));
                 }
             }
         }

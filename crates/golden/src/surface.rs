@@ -8,8 +8,8 @@
 //! | check | mean over the rays of a pixel | finds |
 //! | --- | --- | --- |
 //! | `coverage` | 1 where a surface is met, else 0 | a leak, a superfluous shape |
-//! | `crossings` | number of surfaces along the whole ray | leaks and double hits behind the first surface, self-intersection |
-//! | `shadow` | 1 where a ray from the surface in a fixed direction meets nothing | leaks of shadow rays |
+//! | `crossings` | number of surfaces along the whole ray | leaks and double hits farther back |
+//! | `shadow` | 1 where a second ray, in a fixed direction, is free | leaks of shadow rays |
 //! | `depth` | `t` of the first surface | a wrong root, a moved shape |
 //! | `normal` | shading normal there | a flipped or bent normal |
 //! | `texcoord` | texture coordinates there | a shift |
@@ -143,7 +143,8 @@ impl Surface {
             let (x, y) = (first % self.width, first / self.width);
             let part = channel.name.rsplit('.').next().unwrap_or_default();
             let text = format!(
-                "pixel ({x}, {y}): {part} is {} instead of {}, without any noise; so in {count} pixels",
+                "pixel ({x}, {y}): {part} is {} instead of {}, without any noise; so in {count} \
+                 pixels",
                 ours[first], theirs[first]
             );
             // The coordinates of a normal share a finding: that of the one that differs in most

@@ -30,7 +30,7 @@ fn reference(name: &str) -> Reference {
     Reference::read(&case(name).reference).unwrap()
 }
 
-/// Renders a picture of a scene that was tampered with.
+/// Renders a picture of a modified scene.
 fn render(name: &str, sequence: Sequence, tamper: impl FnOnce(&mut Scene)) -> Moments {
     let mut scene = case(name).load().unwrap();
     tamper(&mut scene);
@@ -45,7 +45,7 @@ fn verdict(name: &str, actual: &Moments) -> Verdict {
     judge(actual, &reference(name).moments, 24).unwrap()
 }
 
-/// Renders a scene with a fault.
+/// Renders a scene with a planted fault.
 fn faulty(name: &str, plant: impl FnOnce(&mut Scene)) -> Verdict {
     verdict(name, &render(name, Sequence::Sobol, plant))
 }
@@ -109,12 +109,12 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
                 p_value(found.t, found.freedom) < level(3 * reference.mean.len() * 24)
             })
         };
-        // Where nothing shines, black is right.
+        // Pixels that are black in the reference cannot reveal a black pixel.
         let lit = |&i: &usize| reference.mean[i].max_element() > 0.0;
         let lit: Vec<usize> = (0..reference.mean.len()).filter(lit).collect();
         let share = lit.iter().copied().filter(caught).count() as f64 / lit.len() as f64;
-        // What is missing is noise: behind glass, in penumbras, and most of all where small
-        // emitters that are found by chance alone are the only light.
+        // The other pixels are too noisy: behind glass, in penumbras, and most of all where the
+        // only light comes from small emitters that paths hit by chance.
         let least = if case.name.starts_with("lights") { 0.5 } else { 0.8 };
         assert!(share > least, "{}: {share:.3} of all pixels", case.name);
         shares.push(share);
@@ -127,8 +127,8 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
 fn a_flipped_normal_is_caught() {
     let flipped = faulty("quads-enhanced", |scene| {
         let saddle = scene.shapes.iter_mut().find(|shape| !shape.normals.is_empty()).unwrap();
-        // Vertices are 4 x 4: this one has quads all around. At the rim the bound on shading
-        // normals mends so much that the light hardly tells; what is seen without light does.
+        // Vertices are 4 x 4: this one has quads all around. At the rim, the bound on shading
+        // normals corrects so much that the light hardly changes; the check of surfaces finds that.
         let [row, column] = [1, 1];
         let inner = 4 * row + column;
         saddle.normals[inner] = -saddle.normals[inner];
@@ -172,7 +172,7 @@ fn a_loss_of_one_percent_of_the_light_is_caught() {
 
 #[test]
 fn surfaces_that_lose_one_percent_of_the_light_are_caught() {
-    // The lamps lose nothing and fill a part of the picture; light that bounces loses more.
+    // The emitters lose nothing and fill a part of the picture, but indirect light loses more.
     let darker = faulty("lights-enhanced", |scene| {
         scene.materials.iter_mut().for_each(|material| material.color *= 0.98);
     });

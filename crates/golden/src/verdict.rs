@@ -6,7 +6,7 @@
 //! | `pixel` | Student's t for each pixel and channel | a leak of one pixel |
 //! | `block` | the same for the mean of each 8 x 8 block | a wrong normal, a shifted texture |
 //! | `energy` | the same for the mean of the picture | a loss of one percent of the light |
-//! | `flip` | is the visible difference within that of the noise | faint changes over large areas that are visible |
+//! | `flip` | is the visible difference within that of the noise | visible changes of large areas |
 //!
 //! The three t-tests together fail by chance in at most one of a thousand runs over a whole set of
 //! pictures: see [`FALSE_ALARMS`](crate::FALSE_ALARMS). [`crate::surface`] compares what has no
@@ -196,10 +196,11 @@ pub(crate) fn flip_of_noise(actual: &Moments, reference: &Moments) -> Result<f64
     let mut noisy = clean.clone();
     for (i, pixel) in noisy.pixels.iter_mut().enumerate() {
         let normal = normal(i as u32);
-        for channel in 0..3 {
+        // Alpha is the fourth channel.
+        for (channel, value) in pixel.iter_mut().take(3).enumerate() {
             let error = compare(actual, reference, [i].into_iter(), channel).error;
             // The same number for all channels: noise changes brightness more than hue.
-            pixel[channel] = (pixel[channel] + normal * error as f32).max(0.0);
+            *value = (*value + normal * error as f32).max(0.0);
         }
     }
     let noise = Difference::between(&noisy, &clean)?.metrics.flip_mean;

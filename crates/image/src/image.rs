@@ -8,8 +8,8 @@ use crate::color::{linear_from_srgb_table, srgb_from_linear};
 /// is coverage, 1 where the image is opaque. No function of this crate multiplies or divides
 /// colours by alpha: what a pixel holds is what a file gets.
 ///
-/// Both fields and methods are public; a literal must hold `width * height` pixels, and functions
-/// that can fail refuse an image that does not.
+/// The fields are public and may be set freely. Functions that can fail refuse an image that does not
+/// hold `width * height` pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
     /// Number of columns.
@@ -93,9 +93,13 @@ impl Image {
     /// If this image has no pixels but the result should.
     #[must_use]
     pub fn resized(&self, width: u32, height: u32) -> Self {
+        if width == 0 || height == 0 {
+            return Self { width, height, pixels: Vec::new() };
+        }
+        assert!(self.width > 0 && self.height > 0, "no pixels to resize");
         let columns = coverage(self.width, width);
         let rows = coverage(self.height, height);
-        // Along the rows first: separable, so the cost is that of two passes.
+        // The filter is separable: along the rows first, then along the columns.
         let mut narrow = Vec::with_capacity(width as usize * self.height as usize);
         for y in 0..self.height as usize {
             let row = &self.pixels[y * self.width as usize..][..self.width as usize];

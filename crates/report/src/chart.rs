@@ -89,7 +89,8 @@ pub fn curves(labels: &Labels<'_>, series: &[Series], floor: Option<f64>) -> Str
         let wide = if s.color == COLORS[0] { 3 } else { 2 };
         let _ = write!(
             svg,
-            "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{wide}\"{dash} points=\"{}\"><title>{}</title></polyline>",
+            "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{wide}\"{dash} points=\"{}\">\
+             <title>{}</title></polyline>",
             s.color,
             path.join(" "),
             escape(&s.name)
@@ -131,7 +132,8 @@ pub fn scatter(labels: &Labels<'_>, series: &[Series], floor: f64) -> String {
         let fill = if s.approximate { "none" } else { s.color };
         let _ = write!(
             svg,
-            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"6\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"2\"><title>{}: {x:.1} ns, {y:.3e}</title></circle>",
+            "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"6\" fill=\"{fill}\" stroke=\"{}\" \
+             stroke-width=\"2\"><title>{}: {x:.1} ns, {y:.3e}</title></circle>",
             s.color,
             escape(&s.name)
         );
@@ -209,7 +211,8 @@ pub fn legend(series: &[Series]) -> String {
 
 fn open(labels: &Labels<'_>, width: f64, height: f64) -> String {
     format!(
-        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" aria-label=\"{0}\"><text x=\"8\" y=\"17\" class=\"title\">{0}</text>",
+        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" \
+         aria-label=\"{0}\"><text x=\"8\" y=\"17\" class=\"title\">{0}</text>",
         escape(labels.title)
     )
 }
@@ -240,7 +243,8 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>, from_zero: bool) {
         let text = if zero { "0".to_owned() } else { power_of_ten(power) };
         let _ = write!(
             svg,
-            "<line x1=\"{left}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+            "<line x1=\"{left}\" x2=\"{right}\" y1=\"{y:.1}\" y2=\"{y:.1}\" class=\"grid\"/>\
+             <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
             left - 6.0,
             y + 4.0
         );
@@ -259,13 +263,15 @@ fn axes(svg: &mut String, frame: &Frame, labels: &Labels<'_>, from_zero: bool) {
         let x = frame.px(x);
         let _ = write!(
             svg,
-            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{top}\" y2=\"{bottom}\" class=\"grid\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
+            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{top}\" y2=\"{bottom}\" class=\"grid\"/>\
+             <text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
             bottom + 16.0
         );
     }
     let _ = write!(
         svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text><text transform=\"translate(13,{:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
+         <text transform=\"translate(13,{:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         0.5 * (left + right),
         bottom + 33.0,
         escape(labels.x),

@@ -139,7 +139,10 @@ fn check(suite: &Suite, cases: &[&Case], isas: &[Isa], args: &Args) -> Result<()
             Outcome::Failed(complaint) => {
                 table.row([&case.name, isa.name(), "", "", "", "", "", "FAILED"]);
                 objects.push(json!({
-                    "picture": case.name, "isa": isa.name(), "passed": false, "complaint": complaint,
+                    "picture": case.name,
+                    "isa": isa.name(),
+                    "passed": false,
+                    "complaint": complaint,
                 }));
                 complaints.push(format!("{name}: {complaint}"));
                 failed += 1;
@@ -201,8 +204,8 @@ fn check(suite: &Suite, cases: &[&Case], isas: &[Isa], args: &Args) -> Result<()
         hint = format!("; see {}", args.report.display());
     }
     bail!(
-        "{failed} of {} pictures failed, {} references are dead{hint}; if the change is intended, add \
-         --bless",
+        "{failed} of {} pictures failed, {} references belong to no scene{hint}; if the change is \
+         intended, add --bless",
         isas.len() * cases.len(),
         dead.len()
     )

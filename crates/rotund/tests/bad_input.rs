@@ -17,7 +17,8 @@ fn rotund(folder: &Path, arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// A folder with a small scene whose `from` is replaced by `to`, and whose shape is `ply`.
+/// Makes a folder with a small scene. `from` is replaced by `to` in the scene file; its shape is
+/// `ply`.
 fn scene(from: &str, to: &str, ply: &str) -> (tempfile::TempDir, PathBuf) {
     let json = r#"{
         "asset": { "version": "4.2" },
@@ -35,7 +36,7 @@ fn scene(from: &str, to: &str, ply: &str) -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-/// Asserts that a run failed with `code`, said all of `words` on one line, and made no file.
+/// Asserts that a run failed with `code`, printed all of `words` on one line, and made no file.
 #[track_caller]
 fn assert_refused(why: &str, folder: &Path, output: &Output, code: i32, words: &[&str]) {
     let message = String::from_utf8_lossy(&output.stderr);
@@ -70,7 +71,7 @@ fn a_good_scene_renders_so_the_table_below_tests_its_faults_alone() {
 }
 
 #[test]
-fn a_bad_scene_is_refused_with_its_file_and_field() {
+fn a_bad_scene_is_refused_with_the_names_of_file_and_field() {
     let truncated = &TRIANGLE[..TRIANGLE.len() - 12];
     let out_of_range = TRIANGLE.replace("3 0 1 2", "3 0 1 7");
     let nan = TRIANGLE.replace("1 0 0\n0 1", "1 nan 0\n0 1");
@@ -182,7 +183,7 @@ fn a_truncated_image_is_refused_with_its_name() {
 
 #[cfg(unix)]
 #[test]
-fn an_output_folder_without_permission_is_found_out_before_the_render() {
+fn an_output_folder_without_permission_is_refused_before_the_render() {
     use std::os::unix::fs::PermissionsExt as _;
     let (folder, _) = scene("", "", TRIANGLE);
     let closed = tempfile::tempdir().expect("a temporary folder");
@@ -191,7 +192,7 @@ fn an_output_folder_without_permission_is_found_out_before_the_render() {
         return; // The superuser may write anywhere.
     }
     let out = closed.path().join("a.png").to_string_lossy().into_owned();
-    // It would take hours if it began.
+    // If the render began, it would take hours.
     let long = ["render", "scene.json", "--samples", "1000000", "--out", &out];
     let output = rotund(folder.path(), &long);
     assert_refused("closed folder", folder.path(), &output, 1, &["cannot write"]);

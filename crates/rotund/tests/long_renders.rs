@@ -1,4 +1,5 @@
-//! Long renders are safe: stopped, killed or divided, they make the picture of one that was not.
+//! A render that is interrupted, killed or divided into shards gives the picture of an
+//! uninterrupted one.
 
 use rotund_trace::output::load_film;
 use std::fs;
@@ -52,7 +53,7 @@ impl Place {
         command
     }
 
-    /// Runs to the end.
+    /// Runs the program to its end.
     fn run(&self, arguments: &str) -> Output {
         self.command(arguments).output().expect("the program starts")
     }
@@ -74,14 +75,14 @@ impl Place {
         }
     }
 
-    /// Starts, and returns once `file` is there.
+    /// Starts the program, and returns as soon as `file` exists.
     fn start(&self, arguments: &str, file: &str) -> Child {
         let mut command = self.command(arguments);
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let child = child.expect("the program starts");
         let start = Instant::now();
         while !self.path(file).exists() {
-            assert!(start.elapsed() < Duration::from_secs(60), "{file} does not come");
+            assert!(start.elapsed() < Duration::from_secs(60), "{file} is not written");
             std::thread::sleep(Duration::from_millis(1));
         }
         child
@@ -112,7 +113,7 @@ fn a_render_that_was_killed_goes_on_to_the_same_picture() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_writes_what_there_is_and_says_how_much() {
+fn ctrl_c_writes_the_samples_so_far_and_says_how_many() {
     let place = Place::new();
     place.succeed(&format!("{PICTURE} --out plain.exr"));
     let kept = format!("{PICTURE} --out kept.exr --checkpoint film --checkpoint-every 0 --resume");
@@ -125,7 +126,7 @@ fn ctrl_c_writes_what_there_is_and_says_how_much() {
     assert!((1..3000).contains(&done), "{done} samples");
     let expected = format!("error: interrupted; kept.exr and film: {done} of 3000 samples");
     assert!(message.contains(&expected), "{expected:?} is not in {message:?}");
-    assert!(place.path("kept.exr").exists(), "there is a picture");
+    assert!(place.path("kept.exr").exists(), "a picture is written");
     place.succeed(&kept);
     assert!(place.bytes("plain.exr") == place.bytes("kept.exr"), "the pictures differ");
 }
@@ -136,7 +137,7 @@ fn ctrl_c_in_a_comparison_keeps_the_picture_that_was_begun() {
     let place = Place::new();
     let command = "compare scene.json --out there --resolution 64 --samples 100000";
     let child = place.start(command, "there");
-    // The folder is there before Ctrl-C is listened to.
+    // The folder exists shortly before the handler of Ctrl-C is installed.
     std::thread::sleep(Duration::from_millis(500));
     interrupt(&child);
     let output = child.wait_with_output().expect("it ends");
@@ -144,7 +145,7 @@ fn ctrl_c_in_a_comparison_keeps_the_picture_that_was_begun() {
     assert_eq!(output.status.code(), Some(130), "{message}");
     assert!(message.contains("there holds vanilla with "), "{message}");
     assert!(message.contains(" of 100000 samples"), "{message}");
-    assert!(place.path("there/vanilla.exr").exists(), "there is a picture");
+    assert!(place.path("there/vanilla.exr").exists(), "a picture is written");
 }
 
 #[cfg(unix)]
@@ -156,7 +157,7 @@ fn interrupt(child: &Child) {
 #[test]
 fn shards_merge_to_the_picture_of_one_render() {
     let place = Place::new();
-    // More than one tile of the file in each direction.
+    // The size gives more than one tile of the EXR file in each direction.
     let picture = "render scene.json --resolution 160 --samples 10 --seed 7";
     place.succeed(&format!("{picture} --out plain.exr"));
     for shard in 1..=3 {
@@ -199,7 +200,7 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
     ] {
         place.refuse(&format!("{picture} --resume {change}"), &words);
     }
-    // Any change of the scene: here one coordinate.
+    // The label has a hash of the scene, so a change of one coordinate is detected.
     fs::write(place.path("floor.ply"), FLOOR.replace("1 -0.3 1", "1 -0.31 1")).expect("a file");
     place.refuse(&format!("{picture} --resume"), &["another picture"]);
     fs::write(place.path("floor.ply"), FLOOR).expect("a file");

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-/// Runs `golden --dir` in a folder on its scenes, at a size that takes no time.
+/// Runs `golden --dir` on scenes in a folder.
 fn user_run(folder: &Path, scenes: &[&str], options: &[&str]) -> anyhow::Result<()> {
     let path = |name: &str| folder.join(name).into_os_string();
     let mut arguments = vec!["rotund".into(), "golden".into(), "--dir".into(), path("goldens")];
@@ -27,7 +27,7 @@ fn write_scene(folder: &Path, name: &str, emission: f32) {
 }
 
 #[test]
-fn pictures_of_ones_own_scenes_are_kept() {
+fn pictures_of_ones_own_scenes_are_checked_until_blessed() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let error = |result: anyhow::Result<()>| format!("{:#}", result.unwrap_err());
@@ -35,7 +35,7 @@ fn pictures_of_ones_own_scenes_are_kept() {
     write_scene(folder, "b.json", 1.0);
     let bless = ["--bless", "--resolution", "24"];
 
-    // A picture that nobody accepted fails, and the check does not accept it.
+    // A picture without a reference fails, and the check does not make one.
     let unblessed = error(user_run(folder, &["a.json"], &[]));
     assert!(unblessed.contains("1 of 1 pictures failed"), "{unblessed}");
     assert!(!folder.join("goldens").exists());
@@ -43,18 +43,18 @@ fn pictures_of_ones_own_scenes_are_kept() {
     user_run(folder, &["a.json", "b.json"], &bless).unwrap();
     user_run(folder, &["a.json", "b.json"], &[]).unwrap();
 
-    // A reference whose scene is gone fails, until it is removed by --bless.
+    // A reference whose scene is gone fails until --bless removes it.
     let dead = error(user_run(folder, &["a.json"], &[]));
-    assert!(dead.contains("1 references are dead"), "{dead}");
+    assert!(dead.contains("1 references belong to no scene"), "{dead}");
     user_run(folder, &["a.json"], &bless).unwrap();
     assert!(!folder.join("goldens/b.exr").exists());
 
-    // Accepting what did not change does not touch the file.
+    // --bless does not touch the reference of an unchanged picture.
     let before = fs::read(folder.join("goldens/a.exr")).unwrap();
     user_run(folder, &["a.json"], &bless).unwrap();
     assert_eq!(fs::read(folder.join("goldens/a.exr")).unwrap(), before);
 
-    // A change fails with a page, which needs nothing else, and is accepted by --bless.
+    // A change fails with a page that needs no other file, and --bless accepts it.
     write_scene(folder, "a.json", 0.98);
     let changed = error(user_run(folder, &["a.json"], &[]));
     assert!(changed.contains("report.html") && changed.contains("--bless"), "{changed}");

@@ -1,4 +1,4 @@
-//! Says what is in a scene: `cargo run --example info -- scenes/shapes4.json`.
+//! Lists the shapes of scene files: `cargo run --example info -- scenes/shapes4.json`.
 
 use rotund_scene::{LoadOptions, load};
 

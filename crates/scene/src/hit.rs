@@ -6,7 +6,7 @@ use rotund_geometry::{Hit, Ray};
 /// A point where a ray meets a surface of a scene, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneHit {
-    /// Index into [`Scene::instances`].
+    /// Index into [`crate::Scene::instances`].
     pub instance: u32,
     /// Index into the elements of the instance's shape.
     pub element: u32,

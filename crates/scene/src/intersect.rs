@@ -104,7 +104,13 @@ impl Trees {
         Ok(())
     }
 
-    fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
+    /// Checks that a scene has as many shapes, elements of each shape, and instances as the one that
+    /// the trees were built of.
+    ///
+    /// # Errors
+    ///
+    /// If one of these numbers differs.
+    pub fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
         let changed =
             |item, what, before, now| Err(SceneError::Changed { item, what, before, now });
         let (before, now) = (self.element_counts.len(), scene.shapes.len());

@@ -35,9 +35,9 @@ pub enum Pixels {
     Floats(Vec<[f32; 4]>),
     /// The format of [`Self::Bytes`], in tiles.
     TiledBytes(Tiles),
-    /// Linear and opaque, in the format of Radiance HDR files: the channels are `r g b` times `2^(e
-    /// - 136)`. They take a quarter of the memory of floats, so that more of an environment fits
-    /// into the caches.
+    /// Linear and opaque, in the format of Radiance HDR files: three mantissas and an exponent `e`,
+    /// which scales the mantissas by `2^(e - 136)`. It takes a quarter of the memory of floats, so
+    /// that more of an environment fits into the caches.
     SharedExponent(Tiles),
 }
 

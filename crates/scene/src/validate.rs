@@ -16,10 +16,9 @@ impl Scene {
     ///   textures in materials and environments.
     /// - Normals, texture coordinates, colours and radii are absent or one for each position.
     ///   Points and lines have radii. There are no more points than positions.
-    /// - Numbers are finite. Radii, colours, emission and scattering are not negative. Roughness
-    ///   and opacity are between 0 and 1, scattering anisotropies strictly between -1 and 1.
-    ///   Indices of refraction, transmission depths, and the lens, film, aspect and focus of
-    ///   cameras are positive.
+    /// - Numbers are finite. Radii, colours, emission and albedo are not negative. Roughness and
+    ///   opacity are between 0 and 1, anisotropy strictly between -1 and 1. Indices of refraction,
+    ///   transmission depths, and the lens, film, aspect and focus of cameras are positive.
     /// - Frames have inverses.
     /// - Textures have as many pixels as their size says, and at least one.
     ///
@@ -28,8 +27,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Reports the first mistake in the order of the fields of [`Scene`], whatever the number of
-    /// threads.
+    /// Reports the first mistake in the order of the fields of [`Scene`], independent of the
+    /// number of threads.
     pub fn validate(&self) -> Result<(), SceneError> {
         first_error(&self.cameras, camera)?;
         first_error(&self.environments, |i, environment| self.environment(i, environment))?;

@@ -1,6 +1,8 @@
 //! Malformed files, from fuzzing and from deterministic corruption of valid ones: nothing may
 //! panic, hang, or load with an index out of range.
 
+#![cfg(feature = "load")]
+
 mod support;
 
 use rotund_scene::{LoadOptions, load};

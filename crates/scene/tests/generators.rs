@@ -1,5 +1,7 @@
 //! The scenes of the repository and their generated shapes.
 
+#![cfg(feature = "load")]
+
 use rotund_geometry::{
     Aabb,
     glam::{Vec3, vec3},

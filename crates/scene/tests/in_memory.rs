@@ -1,5 +1,7 @@
 //! Scenes load from memory as they do from files.
 
+#![cfg(feature = "load")]
+
 use rotund_scene::{LoadOptions, LoadProblem, load, load_bytes};
 use std::{borrow::Cow, fs, path::Path};
 

@@ -1,5 +1,7 @@
 //! The message for every kind of invalid input names the file and the problem.
 
+#![cfg(feature = "load")]
+
 use rotund_scene::{LoadOptions, load};
 use std::{fs, path::Path};
 use tempfile::TempDir;

@@ -1,5 +1,7 @@
 //! Shapes without a scene file, and all encodings of PLY.
 
+#![cfg(feature = "load")]
+
 use rotund_geometry::glam::{Vec2, Vec3, Vec4, vec2, vec3};
 use rotund_scene::{Elements, LoadOptions, Loaded, Shape, Trees, load};
 

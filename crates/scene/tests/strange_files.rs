@@ -1,5 +1,7 @@
 //! Unusual files of editors and converters: what loads, and the messages for what does not.
 
+#![cfg(feature = "load")]
+
 use rotund_scene::{Elements, LoadOptions, Loaded, load};
 use std::{fs, time::Instant};
 

@@ -1,5 +1,7 @@
 //! Subdivision surfaces, and OBJ files.
 
+#![cfg(feature = "load")]
+
 use rotund_geometry::glam::{Vec2, Vec3, vec2};
 use rotund_scene::{Elements, LoadOptions, Shape, load};
 use std::{collections::HashMap, fs};

@@ -1,5 +1,7 @@
 //! Textures of all supported formats, depths and channels.
 
+#![cfg(feature = "load")]
+
 use exr::prelude::{AnyChannel, AnyChannels, Image, Layer, WritableImage as _};
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, Rgba};
 use rotund_geometry::glam::{Vec4, vec4};

@@ -1,5 +1,7 @@
 //! All versions of the scene format, as yocto-gl wrote them.
 
+#![cfg(feature = "load")]
+
 use rotund_geometry::glam::{Vec3, vec2, vec3};
 use rotund_scene::{Elements, LoadOptions, Loaded, MaterialKind, load};
 use std::{fs, path::Path};

@@ -39,18 +39,21 @@ impl<'a> World<'a> {
     }
 
     /// Puts a world together from trees and lights that exist already. They must have been built
-    /// from this scene, or refitted to it; those of another scene give wrong pictures, or panics at
-    /// indices that are out of range.
+    /// from this scene, or the trees refitted to it and the lights built anew.
     ///
     /// # Errors
     ///
-    /// If [`Scene::validate`] refuses the scene.
+    /// If [`Scene::validate`] refuses the scene, or the trees or lights are those of a scene with
+    /// other numbers of shapes, elements, instances or environments. That they belong to another
+    /// scene with the same numbers is not noticed; such a picture is wrong.
     pub fn from_parts(
         scene: &'a Scene,
         trees: &'a Trees,
         lights: &'a Lights,
     ) -> Result<Self, SceneError> {
         scene.validate()?;
+        trees.check_counts(scene)?;
+        lights.check_counts(scene)?;
         Ok(Self::assemble(scene, Cow::Borrowed(trees), Cow::Borrowed(lights)))
     }
 

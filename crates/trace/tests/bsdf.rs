@@ -1,5 +1,5 @@
-//! Every lobe: the density is that of the samples, the weight is value over density, and what
-//! should be reciprocal is.
+//! Every lobe: the samples have the stated density, the weight is value over density, and
+//! reciprocal lobes are reciprocal.
 
 mod support;
 
@@ -24,10 +24,10 @@ const ROUGH: [(MaterialKind, f32); 13] = [
     (Transparent, 0.09),
     (Transparent, 0.5),
 ];
-/// Cosines of outgoing directions; below zero only glass can be seen.
+/// Cosines of outgoing directions; only glass is visible from below.
 const COSINES: [f32; 9] = [1.0, 0.9, 0.5, 0.1, 0.01, -0.01, -0.1, -0.5, -1.0];
 
-/// The combinations that occur.
+/// Combinations of material, alpha and cosine that occur.
 fn cases() -> impl Iterator<Item = (MaterialKind, f32, f32)> {
     ROUGH.into_iter().flat_map(|(kind, alpha)| {
         COSINES
@@ -45,9 +45,9 @@ fn samples_have_their_density() {
     for (kind, alpha, cosine) in cases().filter(|&(_, alpha, _)| alpha != 0.01) {
         let outgoing = direction(cosine, 0.4);
         let bsdf = Bsdf::new(&white(kind, alpha), Vec3::Z, outgoing);
-        // Rows are even in the angle to the normal, so that those near grazing are not too wide.
-        // At the critical angle the density of refraction rises as a square root does.
-        // Near grazing a narrow lobe is narrower still.
+        // Rows are uniform in the angle to the normal, so that those near grazing are not too wide.
+        // At the critical angle the density of refraction rises like a square root. Near grazing a
+        // narrow lobe is narrower still.
         let steps = if kind == Refractive || alpha < 0.1 && cosine < 0.1 { 64 } else { 24 };
         let mut observed = [[0_u32; COLUMNS]; ROWS];
         let mut absorbed = 0;
@@ -81,8 +81,8 @@ fn samples_have_their_density() {
                 }
             }
         }
-        // What is absorbed and the cells too thin to count are one cell together. It is the small
-        // difference of large numbers, so its expectation has the error of the quadrature.
+        // Absorbed samples and cells of low expectation form one cell. Its expectation is a small
+        // difference of large numbers, so it has the error of the quadrature.
         let slack = 4.0 * rest_expected.abs().sqrt() + 0.002 * f64::from(SAMPLES);
         assert!(
             (rest_observed - rest_expected).abs() < slack,
@@ -105,8 +105,8 @@ fn the_weight_of_a_sample_is_value_over_density() {
             let Some(sample) = bsdf.sample(choice, u) else { continue };
             let again = bsdf.eval(sample.incoming);
             let pdf = sample.pdf.expect("no lobe here is discrete");
-            // Directions are rounded on their way through world space; the narrowest lobe is
-            // steepest there.
+            // Directions are rounded by the conversion to world space, which changes the narrowest
+            // lobe most.
             let tolerance = (1e-5 / alpha.max(0.01).powi(2)).max(1e-4);
             assert!(
                 (again.pdf - pdf).abs() <= tolerance * pdf
@@ -121,7 +121,8 @@ fn the_weight_of_a_sample_is_value_over_density() {
 #[test]
 fn reflection_is_reciprocal() {
     for (kind, alpha) in ROUGH {
-        // The base of a glossy surface is weighted by the Fresnel term of one side alone.
+        // The base of a glossy surface has the Fresnel term of one side only, so it is not
+        // reciprocal.
         if kind == Glossy {
             continue;
         }
@@ -161,7 +162,7 @@ fn refraction_is_reciprocal_up_to_the_squared_index() {
                 let bsdf = Bsdf::new(&white(Refractive, alpha), Vec3::Z, outgoing);
                 bsdf.eval(incoming).value.x / incoming.z.abs()
             };
-            // Leaving towards a, light is spread over a larger solid angle by 1.5².
+            // Light that leaves towards a is spread over a solid angle larger by 1.5².
             let (out, inwards) = (value(a, b), value(b, a) * 1.5 * 1.5);
             assert!((out - inwards).abs() <= 1e-4 * out, "{alpha}: {out} {inwards}");
         }
@@ -173,7 +174,7 @@ fn smooth_lobes_reflect_and_refract_where_snell_says() {
     let outgoing = direction(0.8, 0.0);
     let glass = Bsdf::new(&white(Refractive, 0.0), Vec3::Z, outgoing);
     let mirror = Bsdf::new(&white(Reflective, 0.0), Vec3::Z, outgoing);
-    // Sine 0.6 becomes 0.4 inside of an index of 1.5.
+    // By Snell's law a sine of 0.6 becomes 0.4 inside of an index of 1.5.
     let refracted = Vec3::new(-0.4, 0.0, -(1.0_f32 - 0.16).sqrt());
     let reflected = Vec3::new(-0.6, 0.0, 0.8);
     let table = [
@@ -215,7 +216,7 @@ fn hard_directions_give_numbers() {
     }
 }
 
-/// The integral of `f` over one cell of directions, by the midpoint rule.
+/// Integrates `f` over one cell of directions by the midpoint rule.
 fn quadrature(
     steps: usize,
     [row, rows]: [usize; 2],

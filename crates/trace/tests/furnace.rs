@@ -1,4 +1,5 @@
-//! Surfaces in a white furnace: what they reflect and transmit of light that comes from everywhere.
+//! Surfaces in a white furnace: the fraction of uniform illumination that they reflect and
+//! transmit.
 
 mod support;
 
@@ -13,11 +14,11 @@ const KINDS: [MaterialKind; 5] = [Matte, Glossy, Reflective, Refractive, Transpa
 const ALPHAS: [f32; 7] = [0.0, 0.0009, 0.01, 0.09, 0.25, 0.5, 1.0];
 const COSINES: [f32; 9] = [1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.01, -0.3, -0.8];
 
-/// Outgoing directions that a material can be seen from, at each width.
+/// Outgoing directions from which a material is visible, for each alpha.
 fn cases() -> impl Iterator<Item = (MaterialKind, f32, f32)> {
     KINDS.into_iter().flat_map(|kind| {
         ALPHAS.into_iter().flat_map(move |alpha| {
-            // The scene widens what a matte or glossy surface says.
+            // The scene clamps the alpha of matte and glossy surfaces from below.
             let alpha = if matches!(kind, Matte | Glossy) { alpha.max(0.0009) } else { alpha };
             COSINES
                 .into_iter()
@@ -27,7 +28,7 @@ fn cases() -> impl Iterator<Item = (MaterialKind, f32, f32)> {
     })
 }
 
-/// The mean weight of samples: the share of the light of a white furnace that leaves again.
+/// Returns the mean weight of samples: the directional albedo.
 fn albedo(kind: MaterialKind, alpha: f32, cosine: f32) -> f64 {
     albedo_of(&white(kind, alpha), cosine)
 }
@@ -52,8 +53,8 @@ fn no_surface_gains_energy() {
     }
 }
 
-/// Where the coat and a base weighted by the Fresnel term of the normal would together gain most:
-/// of a base that reflects all, up to 0.07 %.
+/// The cases in which the coat and a white base weighted by the Fresnel term of the normal would
+/// together gain most energy: up to 0.07 %.
 #[test]
 fn a_coat_over_a_white_base_gains_no_energy_at_its_worst() {
     for (ior, alpha) in
@@ -75,7 +76,7 @@ fn smooth_surfaces_lose_no_energy() {
         assert!((albedo(Refractive, 0.0, cosine) - 1.0).abs() < 1e-5);
         assert!((albedo(Refractive, 0.0, -cosine) - 1.0).abs() < 1e-5);
     }
-    // A conductor's channel counts as 0.99 at most.
+    // Each channel of a conductor is clamped to 0.99.
     assert!((albedo(Reflective, 0.0, 1.0) - 0.99).abs() < 1e-5);
     for cosine in [0.7, 0.1, 0.01_f32] {
         let expected = model::fresnel(model::metal(), f64::from(cosine));
@@ -83,8 +84,8 @@ fn smooth_surfaces_lose_no_energy() {
     }
 }
 
-/// The samples against a quadrature of the model written out once more, in `f64`, from the
-/// documented formulas: D, the separable G, and Fresnel's reflectances.
+/// Compares the samples with a quadrature in `f64` of a second implementation of the documented
+/// formulas: D, the separable G, and Fresnel's reflectances.
 #[test]
 fn rough_surfaces_return_what_a_quadrature_of_the_model_says() {
     for (kind, alpha, cosine) in cases() {
@@ -106,7 +107,7 @@ mod model {
 
     const IOR: f64 = 1.5;
 
-    /// The index of what reflects white head on, of which 0.99 counts.
+    /// Returns the index of refraction that reflects 0.99 at normal incidence.
     pub(super) fn metal() -> f64 {
         (1.0 + 0.99_f64.sqrt()) / (1.0 - 0.99_f64.sqrt())
     }
@@ -127,8 +128,8 @@ mod model {
         2.0 / (1.0 + (1.0 + alpha * alpha * tangent2).sqrt())
     }
 
-    /// `∫ D(h) G1(o) G1(i) F |o·h| / |o·n| dh`, over facets that reflect and facets that refract:
-    /// the Jacobians of both turn the integral over incoming directions into this one.
+    /// Returns `∫ D(h) G1(o) G1(i) F |o·h| / |o·n| dh` over the facets that reflect and those that
+    /// refract, to which both Jacobians transform the integral over incoming directions.
     pub(super) fn albedo(kind: MaterialKind, alpha: f64, cosine: f64) -> f64 {
         const STEPS: usize = 800;
         const TURNS: usize = 200;
@@ -138,8 +139,8 @@ mod model {
         let o = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
         let mut sum = 0.0;
         for i in 0..STEPS {
-            // Facet normals by the inverse of the distribution of D cos. The integrand rises as
-            // 1 / sqrt(1 - u): a square takes that away.
+            // Facet normals by inverting the cumulative distribution of D cos. The integrand rises
+            // like 1 / sqrt(1 - u); substituting a square removes the singularity.
             let rest = (i as f64 + 0.5) / STEPS as f64;
             let (u, weight) = (1.0 - rest * rest, 2.0 * rest);
             let z = ((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u)).sqrt();
@@ -155,7 +156,7 @@ mod model {
                 let reflected = 2.0 * oh * z - cosine;
                 let f = fresnel(if kind == Reflective { metal } else { eta }, oh);
                 if reflected > 0.0 {
-                    // A white sheet lets through what it does not reflect.
+                    // A white sheet transmits what it does not reflect.
                     let f = if kind == Transparent { 1.0 } else { f };
                     sum += facets * f * visible(alpha, reflected);
                 }

@@ -1,4 +1,4 @@
-//! Solids of clear glass neither leak nor swallow light: in a white furnace they cannot be seen.
+//! Solids of clear glass conserve energy: they are invisible in a white furnace.
 
 use glam::{Affine3A, Vec3};
 use rotund_scene::{
@@ -6,10 +6,10 @@ use rotund_scene::{
 };
 use rotund_trace::{Options, View, World};
 
-/// Elements, and the balls that are their vertices.
+/// Elements, and their vertices as `[x, y, z, radius]`.
 type Solid = (Elements, &'static [[f32; 4]]);
 
-/// Balls and tubes, each shape an instance of its own, of glass of a roughness.
+/// Returns a scene of glass solids, each shape in an instance of its own.
 fn glass(shapes: &[Solid], roughness: f32) -> Scene {
     let shape = |(elements, balls): &Solid| Shape {
         name: String::new(),
@@ -45,7 +45,7 @@ fn glass(shapes: &[Solid], roughness: f32) -> Scene {
     }
 }
 
-/// The least, mean and largest pixel of a furnace.
+/// Returns the least, mean and largest pixel of a furnace.
 fn furnace(scene: &Scene) -> [f64; 3] {
     pixels(scene, View::Furnace)
 }
@@ -99,9 +99,10 @@ fn clear_glass_cannot_be_seen_in_a_white_furnace() {
     ];
     for (why, shapes) in table {
         let [least, mean, largest] = furnace(&glass(&shapes, 0.0));
-        // All weights are 1 but for Russian roulette, which ends one path in a hundred a segment.
+        // All weights are 1 except by Russian roulette, which ends 1 % of the paths at each
+        // segment.
         assert!((mean - 1.0).abs() < 2e-3, "{why}: {mean} on average");
-        // Paths that are long in the glass make a pixel uneven by that, but none is dark.
+        // Long paths in the glass make pixels noisy by that, but none is dark.
         assert!(least > 0.25 && largest < 2.0, "{why}: between {least} and {largest}");
     }
 }
@@ -111,13 +112,13 @@ fn frosted_glass_gains_no_light() {
     let balls: &'static [[f32; 4]] = &[[0.0, 0.0, 0.0, 0.8]];
     for roughness in [0.1, 0.2, 0.3, 0.4] {
         let [_, mean, _] = furnace(&glass(&[(Elements::Points(1), balls)], roughness));
-        // The noise of Russian roulette is a few in ten thousand.
+        // Russian roulette adds noise of a few in ten thousand.
         assert!(mean < 1.0005, "{roughness}: {mean}");
         assert!(mean > 0.8, "{roughness}: {mean}, it does not go black");
     }
 }
 
-/// Paths are divided where they go in, and lights are drawn inside only where there may be some.
+/// Paths are split where they enter, and lights are sampled inside only where there may be some.
 #[test]
 fn milk_that_absorbs_nothing_cannot_be_seen_in_white_light() {
     let ball: Solid = (Elements::Points(1), &[[0.0, 0.0, 0.0, 1.0]]);

@@ -2,9 +2,11 @@
 
 mod support;
 
-use rotund_scene::Scene;
+use rotund_scene::{Scene, Trees};
 use rotund_trace::output::{load_film, save_film, write_layers};
-use rotund_trace::{Film, Image, MergeError, Options, Progress, RenderError, Shard, View, World};
+use rotund_trace::{
+    Film, Image, Lights, MergeError, Options, Progress, RenderError, Shard, View, World,
+};
 use std::ops::ControlFlow;
 
 const OPTIONS: Options = Options {
@@ -117,6 +119,25 @@ fn progress_counts_samples_and_rays() {
     assert_eq!(film.expect("a picture").samples(), OPTIONS.samples);
     assert_eq!(last.0, all);
     assert!(last.1 >= all, "each path has a camera ray");
+}
+
+#[test]
+fn trees_and_lights_of_another_scene_are_refused() {
+    let scene = support::glass_over_a_floor();
+    let trees = Trees::build(&scene).expect("a valid scene");
+    let lights = Lights::build(&scene).expect("a valid scene");
+    let world = World::from_parts(&scene, &trees, &lights).expect("they fit");
+    assert_eq!(world.render(0, &OPTIONS), Ok(picture(&scene, &OPTIONS, 2)));
+    let mut other = scene.clone();
+    other.instances.pop();
+    let error = World::from_parts(&other, &trees, &lights).expect_err("other trees").to_string();
+    assert!(error.starts_with("the scene has 4 instances, but "), "{error}");
+    let trees = Trees::build(&other).expect("a valid scene");
+    let error = World::from_parts(&other, &trees, &lights).expect_err("other lights").to_string();
+    assert!(error.starts_with("the scene has 4 instances, but "), "{error}");
+    other.materials[0].ior = f32::NAN;
+    let error = World::new(&other).expect_err("no index of refraction").to_string();
+    assert!(error.contains("materials[0]") && error.contains("ior"), "{error}");
 }
 
 #[test]

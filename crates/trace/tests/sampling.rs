@@ -1,5 +1,4 @@
-//! What the lobes are made of: facets and phase functions are drawn with the densities that they
-//! state.
+//! Facet normals and phase functions are sampled with their stated densities.
 
 mod support;
 
@@ -11,11 +10,11 @@ use support::{chi_squared_limit, direction, numbers};
 
 const SAMPLES: u32 = 100_000;
 const CELLS: usize = 24;
-/// In each direction of a cell.
+/// Steps of the quadrature along each side of a cell.
 const STEPS: usize = 16;
 
-/// Holds samples to a density over the unit square. `place` maps a sample to it; `density` is that
-/// of the samples per area of the square.
+/// Tests samples against a density over the unit square by chi-squared. `place` maps a sample to
+/// the square; `density` is per area of the square.
 fn assert_drawn(
     why: &str,
     sample: impl Fn(Vec2) -> Vec3,
@@ -30,7 +29,7 @@ fn assert_drawn(
         observed[cell(x)][cell(y)] += 1;
     }
     let (mut statistic, mut cells, mut total) = (0.0, 0, 0.0);
-    // Cells too thin to count are one together.
+    // Cells of low expectation are joined to one.
     let (mut thin_expected, mut thin_observed) = (0.0, 0.0);
     let side = 1.0 / (CELLS * STEPS) as f64;
     for (row, counts) in observed.iter().enumerate() {
@@ -61,7 +60,7 @@ fn assert_drawn(
     assert!(statistic < limit, "{why}: chi-squared {statistic} exceeds {limit}");
 }
 
-/// The azimuth of a direction about +z, in turns.
+/// Returns the azimuth of a direction about +z, in turns.
 fn turns(direction: Vec3) -> f64 {
     (f64::from(direction.y).atan2(f64::from(direction.x)) / TAU).rem_euclid(1.0)
 }
@@ -72,8 +71,8 @@ fn facets_have_their_density_at_every_roughness_and_angle() {
         for cosine in [1.0, 0.9, 0.5, 0.1, 0.01, 1e-3] {
             let outgoing = direction(cosine, 0.4);
             let alpha2 = f64::from(alpha) * f64::from(alpha);
-            // Squared slopes t² in units of α² lie at s = 1 / sqrt(1 + t² / α²), whatever α is; the
-            // facets that many of are seen at grazing have a small s.
+            // Squared slopes t² are mapped to s = 1 / sqrt(1 + t² / α²), which is independent of α.
+            // Most facets that are visible at grazing angles have a small s.
             let place = |half: Vec3| {
                 let [x, y, z] = half.as_dvec3().to_array();
                 let slope2 = (x * x + y * y) / (z * z);
@@ -99,10 +98,10 @@ fn facets_have_their_density_at_every_roughness_and_angle() {
 fn phase_functions_have_their_density_and_mean_cosine() {
     for g in [-0.95_f32, -0.3, -1e-4, 0.0, 1e-3, 0.2, 0.8, 0.99] {
         let outgoing = direction(0.3, 1.0);
-        // Where the light goes on to, about where it went.
+        // The direction of propagation after scattering, relative to that before.
         let (x, y) = outgoing.any_orthonormal_pair();
         let local = |v: Vec3| Vec3::new(x.dot(v), y.dot(v), -outgoing.dot(v));
-        // The cosine in proportion to its cumulative distribution, so that no cell is thin.
+        // The cosine is mapped by its cumulative distribution, so that all cells have samples.
         let wide = f64::from(g);
         let rank = |cosine: f64| {
             if g == 0.0 {

@@ -11,11 +11,11 @@ use rotund_bvh::Isa;
 use rotund_scene::{Elements, Scene};
 use rotund_trace::Sequence;
 
-/// Every ray of a picture, so that a fault can be put into one of them.
+/// Results of all rays of a picture, so that a fault can be planted in one of them.
 struct Rays {
     width: usize,
     height: usize,
-    /// Sixteen for each pixel.
+    /// Sixteen per pixel.
     probes: Vec<Probe>,
 }
 
@@ -32,7 +32,7 @@ impl Rays {
         Self { width, height, probes: probes.into_inner().unwrap() }
     }
 
-    /// What is found with a fault in one ray of a pixel.
+    /// Returns the findings with a fault in one ray.
     fn with_fault(&self, name: &str, at: usize, fault: impl Fn(&mut Probe) + Sync) -> Vec<Finding> {
         let surface = Surface::measure(self.width, self.height, |uv, ray| {
             let i = index(uv, ray, self.width, self.height);
@@ -51,7 +51,7 @@ fn index(uv: Vec2, ray: usize, width: usize, height: usize) -> usize {
     16 * (y * width + x) + ray
 }
 
-/// What is found in a scene that was tampered with.
+/// Returns the findings in a modified scene.
 fn tampered(name: &str, tamper: impl FnOnce(&mut Scene)) -> Vec<Finding> {
     let expected = reference(name).surface;
     let mut scene = case(name).load().unwrap();
@@ -87,7 +87,7 @@ fn one_ray_that_goes_wrong_is_caught_in_any_pixel_of_every_kind_of_picture() {
         let hits: Vec<usize> =
             (0..rays.probes.len()).filter(|&i| rays.probes[i].crossings > 0).collect();
         for (number, (why, check, fault)) in faults.into_iter().enumerate() {
-            // Not the same ray and pixel for each, and none twice.
+            // Each fault is in another ray and pixel.
             let at = hits[hits.len() * (2 * number + 1) / (2 * faults.len())];
             let (x, y) = (at / 16 % rays.width, at / 16 / rays.width);
             let findings = rays.with_fault(name, at, fault);
@@ -178,7 +178,7 @@ fn every_instruction_set_gives_the_same_bits() {
 
 #[test]
 fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
-    // One ball in front of the camera: each ray goes in and out.
+    // One ball in front of the camera: each ray enters and leaves it.
     let name = "materials-enhanced";
     let subject = Subject::new(name, case(name).load().unwrap(), Isa::default_set()).unwrap();
     let ball = subject.scene.instances[1].world_from_object.translation;

@@ -40,7 +40,8 @@ fn draw(curves: &[(&str, [u32; BINS])], ticks: [&str; 3]) -> String {
     let most = curves.iter().flat_map(|(_, bins)| bins).copied().max().unwrap_or(0).max(1);
     let level = |count: u32| height * (1.0 - f64::from(count).ln_1p() / f64::from(most).ln_1p());
     let mut svg = format!(
-        "<svg class=\"histogram\" viewBox=\"-{SIDE} -8 {} {}\" role=\"img\" aria-label=\"Histogram\">",
+        "<svg class=\"histogram\" viewBox=\"-{SIDE} -8 {} {}\" role=\"img\" \
+         aria-label=\"Histogram\">",
         SIDE + width + 4.0,
         height + FOOT + 8.0
     );

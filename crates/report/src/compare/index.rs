@@ -36,7 +36,8 @@ impl Entry {
         let m = &difference.metrics;
         let card = format!(
             "<article><a href=\"{link}\"><div class=\"pair\">\
-             <img src=\"{}\" alt=\"{name}, vanilla\"><img src=\"{}\" alt=\"{name}, enhanced\"></div>\
+             <img src=\"{}\" alt=\"{name}, vanilla\"><img src=\"{}\" alt=\"{name}, enhanced\">\
+             </div>\
              <h2>{name}</h2></a>\n<p class=\"settings\">{}</p>\n\
              <p>FLIP {:.4}, {:.1} % of the pixels changed, {:+.2} % light</p></article>\n",
             embed::thumbnail(vanilla)?,

@@ -176,8 +176,8 @@ fn choice(equal_time: &EqualTime<'_>) -> String {
     format!(
         "<fieldset class=\"choice\"><legend>The two pictures have</legend>\n\
          <label><input type=\"radio\" name=\"equal\" checked> equal samples: {fewer}</label>\n\
-         <label><input type=\"radio\" name=\"equal\" id=\"equal-time\"> equal time: {slower} {fewer} \
-         samples in {slow:.1} s, {faster} {more} in {fast:.1} s</label>\n</fieldset>"
+         <label><input type=\"radio\" name=\"equal\" id=\"equal-time\"> equal time: {slower} \
+         {fewer} samples in {slow:.1} s, {faster} {more} in {fast:.1} s</label>\n</fieldset>"
     )
 }
 
@@ -233,7 +233,8 @@ fn marks(crops: &[Crop], width: u32, height: u32) -> String {
     let percent = |part: usize, whole: u32| 100.0 * part as f64 / f64::from(whole);
     let mark = |(index, crop): (usize, &Crop)| {
         format!(
-            "<span class=\"mark\" style=\"left: {:.2}%; top: {:.2}%; width: {:.2}%; height: {:.2}%\">{}</span>",
+            "<span class=\"mark\" style=\"left: {:.2}%; top: {:.2}%; width: {:.2}%; height: \
+             {:.2}%\">{}</span>",
             percent(crop.x, width),
             percent(crop.y, height),
             percent(crop.width, width),

@@ -79,7 +79,7 @@ pub(super) fn textures(
     for result in loaded {
         match result {
             Err(error) if context.options.keep_going => {
-                context.warnings.push(format!("left out, white instead: {error}"));
+                context.warnings.push(format!("texture left out and replaced by white: {error}"));
                 textures.push(Texture::default());
             }
             result => {
@@ -208,7 +208,7 @@ fn subdivided(
     }
     let displacement_tex = displacement_tex.filter(|_| displacement != 0.0);
     if displacement_tex.is_some() && control.texcoords.is_empty() {
-        let expected = "none, for the mesh has no texture coordinates";
+        let expected = "none, since the mesh has no texture coordinates";
         return Err(unfit("displacement_tex", "given".to_owned(), expected));
     }
     Ok(subdivide::subdivide(

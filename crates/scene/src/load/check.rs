@@ -90,7 +90,7 @@ fn lookat(field: String, frame: glam::Affine3A) -> Result<(), LoadProblem> {
     Err(LoadProblem::Value {
         field,
         value: "without a direction".to_owned(),
-        expected: "an eye, a centre apart from it, and an up vector across",
+        expected: "an eye, a target apart from it, and an up vector that is not parallel to the view",
     })
 }
 

@@ -12,7 +12,7 @@ pub struct LoadError {
     pub path: PathBuf,
     /// The field that names the file; `None` for the path that the caller gave.
     pub named_by: Option<NamedBy>,
-    /// What is wrong with the file.
+    /// The problem of the file.
     pub problem: Box<LoadProblem>,
 }
 

@@ -47,7 +47,7 @@ pub struct Loaded {
 /// one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
-/// whatever they claim to hold.
+/// independent of the counts in their headers.
 ///
 /// # Errors
 ///
@@ -129,7 +129,9 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
         return Err(unsupported(&context));
     }
     if context.options.radius.is_some() {
-        context.warn("a radius applies to single PLY and OBJ files, and changes nothing here");
+        context.warn(
+            "the radius changes nothing: it is for PLY and OBJ files that are loaded by themselves",
+        );
     }
     let mut file = parse(&mut context, bytes)?;
     older::spell_out(&context, &mut file);

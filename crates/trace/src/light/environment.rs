@@ -44,6 +44,11 @@ impl EnvironmentLights {
         Self { choice: Table::new(images.iter().map(power)), images }
     }
 
+    /// Returns the number of environments of the scene.
+    pub(super) fn len(&self) -> usize {
+        self.images.len()
+    }
+
     /// Returns the integral over all directions of the luminance above the mean.
     pub(super) fn power(&self) -> f32 {
         self.choice.sum

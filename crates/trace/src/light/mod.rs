@@ -182,6 +182,19 @@ impl Lights {
         }
     }
 
+    /// Checks that a scene has as many instances and environments as the one of the lights.
+    pub(crate) fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
+        for (what, before, now) in [
+            ("instances", self.first_emitter.len(), scene.instances.len()),
+            ("environments", self.environments.len(), scene.environments.len()),
+        ] {
+            if before != now {
+                return Err(SceneError::Changed { item: None, what, before, now });
+            }
+        }
+        Ok(())
+    }
+
     /// Returns a bound on the radiance of every light in each channel, and so of every pixel.
     pub(crate) fn brightest(&self) -> f32 {
         self.brightest

@@ -1,4 +1,4 @@
-//! Materials and quadrature that several tests share.
+//! Materials, scenes and statistics that several tests share.
 
 #![allow(dead_code, reason = "each test uses its part")]
 
@@ -9,7 +9,7 @@ use rotund_scene::{
 };
 use rotund_trace::{Sampler, Sequence};
 
-/// A white, opaque surface that does not shine.
+/// Returns a white, opaque surface that does not emit.
 pub(crate) fn white(kind: MaterialKind, alpha: f32) -> MaterialPoint {
     MaterialPoint {
         kind,
@@ -24,19 +24,20 @@ pub(crate) fn white(kind: MaterialKind, alpha: f32) -> MaterialPoint {
     }
 }
 
-/// A direction of unit length with this cosine to +z.
+/// Returns the direction of unit length with this cosine to +z and this azimuth.
 pub(crate) fn direction(cosine: f32, azimuth: f32) -> Vec3 {
     let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
     Vec3::new(sine * azimuth.cos(), sine * azimuth.sin(), cosine)
 }
 
-/// The `index`-th number for a lobe and point of the unit square.
+/// Returns the `index`-th random numbers: one for the lobe, two for the direction.
 pub(crate) fn numbers(sequence: Sequence, seed: u64, index: u32) -> (f32, Vec2) {
     let [x, y, choice, _] = Sampler::new(sequence, seed, 0, 0, index).set(0);
     (choice, Vec2::new(x, y))
 }
 
-/// What chi-squared with this many degrees of freedom exceeds with a probability of 3e-5.
+/// Returns the value that chi-squared with this many degrees of freedom exceeds with probability
+/// 3e-5.
 ///
 /// Source: E. Wilson, M. Hilferty, "The distribution of chi-square", PNAS 17(12), 1931.
 pub(crate) fn chi_squared_limit(freedom: usize) -> f64 {
@@ -44,7 +45,7 @@ pub(crate) fn chi_squared_limit(freedom: usize) -> f64 {
     freedom as f64 * (1.0 - k + 4.0 * k.sqrt()).powi(3)
 }
 
-/// A shape with positions and elements alone.
+/// Returns a shape of elements, positions and radii only.
 pub(crate) fn shape(elements: Elements, positions: Vec<Vec3>, radii: Vec<f32>) -> Shape {
     Shape {
         name: String::new(),
@@ -58,13 +59,13 @@ pub(crate) fn shape(elements: Elements, positions: Vec<Vec3>, radii: Vec<f32>) -
     }
 }
 
-/// The corners of a quad, in order around it.
+/// Returns a quad of four corners, in order around it.
 pub(crate) fn quad(corners: [[f32; 3]; 4]) -> Shape {
     let positions = corners.map(Vec3::from_array).to_vec();
     shape(Elements::Quads(vec![[0, 1, 2, 3]]), positions, Vec::new())
 }
 
-/// A ball.
+/// Returns a ball.
 pub(crate) fn ball(center: [f32; 3], radius: f32) -> Shape {
     shape(Elements::Points(1), vec![Vec3::from_array(center)], vec![radius])
 }

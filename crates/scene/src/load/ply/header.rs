@@ -122,7 +122,7 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
         line_number += 1;
         let fail = |problem: String| Err(LoadProblem::PlyHeader { line: line_number, problem });
         let Some(bytes) = input.line(LONGEST_LINE)? else {
-            return fail("not found: the header has no end, so this is no PLY file".to_owned());
+            return fail("not found: the header has no end, so this is not a PLY file".to_owned());
         };
         let line = String::from_utf8_lossy(&bytes);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
@@ -165,7 +165,7 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
         Some(encoding) => Ok(Header { encoding, elements }),
         None => Err(LoadProblem::PlyHeader {
             line: line_number,
-            problem: "no line said the format".to_owned(),
+            problem: "no line states the format".to_owned(),
         }),
     }
 }
