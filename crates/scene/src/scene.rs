@@ -63,7 +63,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn instance_bounds(&self, instance: u32) -> Aabb {
         self.bounds_of(&self.instances[instance as usize])

@@ -13,7 +13,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_emission(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
         let material = &self.materials[self.instances[instance as usize].material as usize];
@@ -37,7 +38,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_material(&self, instance: u32, element: u32, uv: Vec2) -> MaterialPoint {
         let material = &self.materials[self.instances[instance as usize].material as usize];

@@ -16,7 +16,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_shading_normal(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
         let geometric = self.eval_normal(instance, element, uv);
@@ -45,7 +46,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn shading_normal(&self, hit: &SceneHit, outgoing: Vec3) -> Vec3 {
         let instance = &self.instances[hit.instance as usize];
@@ -117,7 +119,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_tangents(&self, instance: u32, element: u32, uv: Vec2) -> (Vec3, Vec3) {
         let (frame, shape) = self.placed(instance);

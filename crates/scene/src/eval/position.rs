@@ -16,7 +16,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_position(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
         let (frame, shape) = self.placed(instance);
@@ -28,7 +29,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_normal(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
         let (frame, shape) = self.placed(instance);

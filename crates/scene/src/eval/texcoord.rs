@@ -10,7 +10,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_texcoord(&self, instance: u32, element: u32, uv: Vec2) -> Vec2 {
         let (_, shape) = self.placed(instance);
@@ -24,7 +25,8 @@ impl Scene {
     ///
     /// # Panics
     ///
-    /// If an index is out of range.
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
     #[must_use]
     pub fn eval_color(&self, instance: u32, element: u32, uv: Vec2) -> Vec4 {
         let (_, shape) = self.placed(instance);
