@@ -57,7 +57,7 @@ enum Command {
     Rays(RaysArgs),
     /// Render a scene far from the origin, tiny and huge, and measure what changed.
     Moved(moved::Args),
-    /// Check what no compiler checks: directions, sizes, leftovers, scenes.
+    /// Check dependencies, circles between files, formulas, sizes, leftovers and scenes.
     Tidy(tidy::Args),
 }
 

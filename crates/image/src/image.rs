@@ -8,8 +8,8 @@ use crate::color::{linear_from_srgb_table, srgb_from_linear};
 /// is coverage, 1 where the image is opaque. No function of this crate multiplies or divides
 /// colours by alpha: what a pixel holds is what a file gets.
 ///
-/// The fields are public and may be set freely. Functions that can fail refuse an image that does not
-/// hold `width * height` pixels.
+/// The fields are public and may be set freely. Functions that can fail refuse an image that does
+/// not hold `width * height` pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
     /// Number of columns.

@@ -104,8 +104,8 @@ impl Trees {
         Ok(())
     }
 
-    /// Checks that a scene has as many shapes, elements of each shape, and instances as the one that
-    /// the trees were built of.
+    /// Checks that a scene has as many shapes, elements of each shape, and instances as the one
+    /// that the trees were built of.
     ///
     /// # Errors
     ///

@@ -32,7 +32,7 @@ use rotund_report::console::say;
 const EXAMPLES: &str = "\
 Examples:
   cargo xtask accuracy --out out/accuracy
-  cargo xtask accuracy --shape cone --family grazing --method rotund --no-timing
+  cargo xtask accuracy --shape cone --family grazing --method Rotund --no-timing
   cargo xtask accuracy --seed 7 --check
   cargo xtask accuracy --round-trip 10000000";
 
