@@ -44,6 +44,7 @@ fn begins_ahead(ray: &Ray) -> bool {
 /// With `g = f·f - r²` and `b = f·d`: outside, `g` is positive and both roots of `a t² + 2 b t + g`
 /// have the sign of `-b`; inside, `g` is negative and the roots have opposite signs. Their product
 /// is `g / a`.
+#[inline(always)]
 pub(crate) fn of_sphere(center: Vec3, radius: f32, ray: &Ray) -> OriginSide {
     let (c, r) = widen::ball(center, radius);
     let (o, d) = widen::ray(ray);
@@ -71,6 +72,7 @@ pub(crate) fn of_sphere(center: Vec3, radius: f32, ray: &Ray) -> OriginSide {
 /// its center to the ray origin is the normal `n` of the separating plane: the solid lies behind
 /// the plane if both end balls do, and the ray lies before it if its origin does and it does not
 /// approach the plane. The error of `n` does not matter to this test.
+#[inline(always)]
 pub(crate) fn of_rounded_cone([(p0, r0), (p1, r1)]: [(Vec3, f32); 2], ray: &Ray) -> OriginSide {
     let ((p0, r0), (p1, r1)) = (widen::ball(p0, r0), widen::ball(p1, r1));
     let (o, d) = widen::ray(ray);

@@ -98,7 +98,7 @@ fn sums_of_products(tokens: &[TokenTree], found: &mut Vec<(usize, String)>) {
                     factors = vec![String::new()];
                 }
                 '.' | ':' | '/' | '&' | '-' | '*' => {
-                    factors.last_mut().expect("one").push(punct.as_char())
+                    factors.last_mut().expect("one").push(punct.as_char());
                 }
                 _ => (factors, before) = (vec![String::new()], false),
             },

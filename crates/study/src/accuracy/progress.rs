@@ -1,5 +1,7 @@
 //! Progress of the study: a bar on a terminal, a line for each shape elsewhere.
 
+#![expect(clippy::print_stderr, reason = "progress is for the person, not for a pipe")]
+
 use std::{
     io::{IsTerminal as _, stderr},
     time::{Duration, Instant},
