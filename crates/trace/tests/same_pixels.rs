@@ -97,7 +97,9 @@ fn an_interruption_after_every_batch_loses_nothing() {
             world.resume(&mut film, 0, &LARGER, &mut stop).expect("it is resumed");
             runs += 1;
         }
-        assert!(runs > 3 && uneven > 0, "{runs} runs, {uneven} of them began within a pass");
+        // The first batch after a start has 4096 pixels, fewer than the picture. Later ones are
+        // longer the faster the machine is, so they may end with a pass.
+        assert!(every > 1 || uneven > 0, "no interruption of {runs} fell within a pass");
         assert_eq!(film, whole, "interrupted at every {every}-th report");
     }
 }
