@@ -26,6 +26,7 @@ pub(crate) trait Real:
     fn exact(x: f32) -> Self;
     fn square_root(self) -> Self;
     fn nearest(self) -> f64;
+    fn widen(self) -> DoubleDouble;
 }
 
 impl Real for f64 {
@@ -44,6 +45,11 @@ impl Real for f64 {
     #[inline(always)]
     fn nearest(self) -> f64 {
         self
+    }
+
+    #[inline(always)]
+    fn widen(self) -> DoubleDouble {
+        DoubleDouble { high: self, low: 0.0 }
     }
 }
 
@@ -162,6 +168,11 @@ impl Real for DoubleDouble {
     #[inline]
     fn nearest(self) -> f64 {
         self.high
+    }
+
+    #[inline]
+    fn widen(self) -> DoubleDouble {
+        self
     }
 }
 

@@ -148,6 +148,7 @@ mod primitive;
 mod ray;
 mod ray_space;
 mod rounded_cone;
+mod solid;
 mod sphere;
 #[cfg(test)]
 mod test_random;
@@ -165,6 +166,7 @@ pub use method::{Method, UnknownMethod};
 pub use primitive::Primitive;
 pub use ray::{Hit, Ray};
 pub use rounded_cone::RoundedCone;
+pub use solid::{End, ExactInterval, Interval, Solid};
 pub use sphere::Sphere;
 pub use triangle::Triangle;
 

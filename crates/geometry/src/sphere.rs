@@ -175,14 +175,9 @@ impl Sphere {
         Some(Some(Root { t, from_center, normal: from_center / r }))
     }
 
-    /// Solves with 106 bits.
-    #[inline(never)]
-    pub(crate) fn solve_in_double_double(&self, ray: &Ray) -> Option<Root> {
-        let exact = |p: Vec3| p.to_array().map(DoubleDouble::exact);
-        let dot =
-            |a: [DoubleDouble; 3], b: [DoubleDouble; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let (o, c, d) = (exact(ray.origin), exact(self.center), exact(ray.direction));
-        let f = [o[0] - c[0], o[1] - c[1], o[2] - c[2]];
+    /// Returns both roots with 106 bits, or `None` if the line misses.
+    pub(crate) fn roots_in_double_double(&self, ray: &Ray) -> Option<[DoubleDouble; 2]> {
+        let [f, d] = self.relative_in_double_double(ray);
         let r = DoubleDouble::exact(self.radius);
         let (a, b, g) = (dot(d, d), dot(f, d), dot(f, f) - r * r);
         let w = [f[1] * d[2] - f[2] * d[1], f[2] * d[0] - f[0] * d[2], f[0] * d[1] - f[1] * d[0]];
@@ -203,17 +198,69 @@ impl Sphere {
         // If the radius is below the resolution of 106 bits at this distance, the roots may come
         // out in either order.
         let [near, far] = roots;
-        let roots = if far < near { [near, near] } else { roots };
-        roots.into_iter().find_map(|exact_t| {
-            let t = ray.accept(exact_t.nearest())?;
-            let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
-            let from_center = DVec3::from_array(x);
-            let normal = from_center / f64::from(self.radius);
-            // At the distances at which 106 bits are too few it is not.
-            let is_unit = (normal.dot(normal) - 1.0).abs() < 1e-9;
-            let normal = if is_unit { normal } else { normal.normalize_or(DVec3::Y) };
-            Some(Root { t, from_center, normal })
-        })
+        Some(if far < near { [near, near] } else { roots })
+    }
+
+    /// Returns the origin of the ray relative to the center, and its direction.
+    fn relative_in_double_double(&self, ray: &Ray) -> [[DoubleDouble; 3]; 2] {
+        let exact = |p: Vec3| p.to_array().map(DoubleDouble::exact);
+        let (o, c) = (exact(ray.origin), exact(self.center));
+        [[o[0] - c[0], o[1] - c[1], o[2] - c[2]], exact(ray.direction)]
+    }
+
+    /// Solves with 106 bits.
+    #[inline(never)]
+    pub(crate) fn solve_in_double_double(&self, ray: &Ray) -> Option<Root> {
+        let roots = self.roots_in_double_double(ray)?;
+        roots.into_iter().find_map(|t| self.root_at(ray, t))
+    }
+
+    /// Returns the crossing at a root if it is in the interval of the ray.
+    fn root_at(&self, ray: &Ray, exact_t: DoubleDouble) -> Option<Root> {
+        let t = ray.accept(exact_t.nearest())?;
+        let [f, d] = self.relative_in_double_double(ray);
+        let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
+        let from_center = DVec3::from_array(x);
+        let normal = from_center / f64::from(self.radius);
+        // At the distances at which 106 bits are too few it is not.
+        let is_unit = (normal.dot(normal) - 1.0).abs() < 1e-9;
+        let normal = if is_unit { normal } else { normal.normalize_or(DVec3::Y) };
+        Some(Root { t, from_center, normal })
+    }
+
+    /// Returns the hit where the line of the ray leaves the sphere, at any `t`.
+    #[inline]
+    pub(crate) fn exit(&self, ray: &Ray) -> Option<Hit> {
+        let ray = &Ray { t_min: f32::NEG_INFINITY, t_max: f32::INFINITY, ..*ray };
+        let (c, r) = widen::ball(self.center, self.radius);
+        let (o, d) = widen::ray(ray);
+        let f = o - c;
+        let w = f.cross(d);
+        let a = d.dot(d);
+        let square = a * (r * r);
+        let discriminant = square - w.dot(w);
+        let root = discriminant.sqrt();
+        let far = root - f.dot(d);
+        let grazing = CANCELLATION * square;
+        let product = (far * (far - 2.0 * root)).abs();
+        // Written so that a NaN is left to the exact evaluation.
+        let certain =
+            discriminant > grazing && product > grazing && product <= FAR * discriminant && r > 0.0;
+        if !certain {
+            return self.exit_exactly(ray);
+        }
+        let inverse = (a * r).recip();
+        let far = far * (inverse * r);
+        let from_center = f + far * d;
+        let normal = from_center * (inverse * a);
+        Some(self.hit(ray, Root { t: ray.accept(far)?, from_center, normal }))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn exit_exactly(&self, ray: &Ray) -> Option<Hit> {
+        let [_, exit] = self.roots_in_double_double(ray)?;
+        Some(self.hit(ray, self.root_at(ray, exit)?))
     }
 
     /// Returns a box that contains the sphere and every position that [`Self::closest`] reports.
@@ -257,6 +304,10 @@ impl Sphere {
         let dv = PI * r * DVec3::new(cos_v * cos_u, -sin_v, cos_v * sin_u);
         (round(du), round(dv))
     }
+}
+
+fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn direction(uv: Vec2) -> DVec3 {

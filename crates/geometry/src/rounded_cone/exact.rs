@@ -18,6 +18,8 @@ pub(crate) struct Crossing {
     pub(crate) t: f32,
     pub(crate) s: f64,
     pub(crate) from_ball: DVec3,
+    /// `t` before rounding.
+    pub(crate) root: DoubleDouble,
 }
 
 /// An end of the part of a line that lies in the solid.
@@ -45,6 +47,14 @@ pub(crate) fn solve(cone: &RoundedCone, ray: &Ray) -> Option<Crossing> {
     match attempt::<f64>(cone, ray, CANCELLATION, ends) {
         Attempt::Found(crossing) => crossing,
         Attempt::TooFewDigits => solve_in_double_double(cone, ray, ends),
+    }
+}
+
+/// Returns the exit, if it is in the interval of the ray.
+pub(crate) fn exit(cone: &RoundedCone, ray: &Ray) -> Option<Crossing> {
+    match attempt::<f64>(cone, ray, CANCELLATION, &[End::Exit]) {
+        Attempt::Found(crossing) => crossing,
+        Attempt::TooFewDigits => solve_in_double_double(cone, ray, &[End::Exit]),
     }
 }
 
@@ -167,7 +177,8 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
         before = t.nearest();
         if let Some(rounded) = ray.accept(t.nearest()) {
             let x = [0, 1, 2].map(|i| (f[i] + t * d[i] - s * e[i]).nearest());
-            let crossing = Crossing { t: rounded, s: s.nearest(), from_ball: x.into() };
+            let (s, root) = (s.nearest(), t.widen());
+            let crossing = Crossing { t: rounded, s, from_ball: x.into(), root };
             return Attempt::Found(Some(crossing));
         }
     }

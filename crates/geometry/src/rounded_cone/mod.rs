@@ -45,12 +45,13 @@ mod profile;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::double_double::DoubleDouble;
 use crate::filter::{CANCELLATION, FAR, Filtered, Solve, queries};
 use crate::float::{round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray, Sphere, widen};
-use exact::Crossing;
+use exact::{Crossing, End};
 use profile::Profile;
 
 /// The surface of the convex hull of two balls, `(p0, r0)` and `(p1, r1)`: a tapered capsule.
@@ -208,21 +209,10 @@ impl Solve for RoundedCone {
     #[cold]
     #[inline(never)]
     fn solve_exactly(&self, ray: &Ray) -> Option<Root> {
-        if self.is_one_ball() {
-            return self.solve_larger_ball(ray);
+        if let Some((ball, s)) = self.one_ball() {
+            return Self::solve_ball(&ball, s, ray);
         }
-        let Crossing { t, s, from_ball } = exact::solve(self, ray)?;
-        let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
-        let normal = from_ball / radius;
-        let square = normal.dot(normal);
-        // A tip of radius zero has many normals; the axis is one of them.
-        let normal = if (square - 1.0).abs() < 1e-9 {
-            normal
-        } else {
-            let e = self.p1.as_dvec3() - self.p0.as_dvec3();
-            from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y))
-        };
-        Some(Root { t, s, from_ball, normal })
+        Some(self.root(exact::solve(self, ray)?))
     }
 
     #[inline(always)]
@@ -252,20 +242,60 @@ impl RoundedCone {
         e.dot(e) - rho * rho <= 0.0
     }
 
-    /// Solves for the larger ball, where it contains the other.
-    fn solve_larger_ball(&self, ray: &Ray) -> Option<Root> {
-        let [first, second] = [(self.p0, self.r0), (self.p1, self.r1)]
-            .map(|(center, radius)| Sphere { center, radius });
-        let (ball, s) = if self.r0 >= self.r1 { (first, 0.0) } else { (second, 1.0) };
-        if !(self.r0.min(self.r1) >= 0.0 && self.p0.is_finite() && self.p1.is_finite()) {
+    /// Returns the larger ball and its place on the axis, if it contains the other ball.
+    pub(crate) fn one_ball(&self) -> Option<(Sphere, f64)> {
+        if !self.is_one_ball() {
             return None;
         }
+        let [first, second] = [(self.p0, self.r0), (self.p1, self.r1)]
+            .map(|(center, radius)| Sphere { center, radius });
+        // No ray hits a ball without radius.
+        let none = Sphere { radius: 0.0, ..first };
+        if !(self.r0.min(self.r1) >= 0.0 && self.p0.is_finite() && self.p1.is_finite()) {
+            return Some((none, 0.0));
+        }
+        Some(if self.r0 >= self.r1 { (first, 0.0) } else { (second, 1.0) })
+    }
+
+    /// Solves for the larger ball, where it contains the other.
+    fn solve_ball(ball: &Sphere, s: f64, ray: &Ray) -> Option<Root> {
         let root = match ball.filter(ray) {
             Filtered::Hit(root) => root,
             Filtered::Miss => return None,
             Filtered::Uncertain => ball.solve_exactly(ray)?,
         };
         Some(Root { t: root.t, s, from_ball: root.from_center, normal: root.normal })
+    }
+
+    /// Completes a crossing by its normal.
+    fn root(&self, Crossing { t, s, from_ball, .. }: Crossing) -> Root {
+        let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
+        let normal = from_ball / radius;
+        let square = normal.dot(normal);
+        // A tip of radius zero has many normals; the axis is one of them.
+        let normal = if (square - 1.0).abs() < 1e-9 {
+            normal
+        } else {
+            let e = self.p1.as_dvec3() - self.p0.as_dvec3();
+            from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y))
+        };
+        Root { t, s, from_ball, normal }
+    }
+
+    /// Returns the hit where the line of an unbounded ray leaves the solid.
+    pub(crate) fn exit(&self, ray: &Ray) -> Option<Hit> {
+        if let Some((ball, s)) = self.one_ball() {
+            return ball.exit(ray).map(|hit| Hit { parameters: Vec2::new(s as f32, 0.0), ..hit });
+        }
+        Some(self.hit(ray, self.root(exact::exit(self, ray)?)))
+    }
+
+    /// Returns where the line of the ray enters and leaves the solid, with 106 bits. The shape must
+    /// not be a single ball.
+    pub(crate) fn roots_in_double_double(&self, ray: &Ray) -> Option<[DoubleDouble; 2]> {
+        let ray = Ray { t_min: f32::NEG_INFINITY, t_max: f32::INFINITY, ..*ray };
+        let root = |end| Some(exact::solve_in_double_double(self, &ray, &[end])?.root);
+        Some([root(End::Entry)?, root(End::Exit)?])
     }
 
     /// Returns a box that contains the shape and every position that [`Self::closest`] reports.
