@@ -21,3 +21,14 @@ pub struct PrimitiveHit {
     /// Where the ray meets the primitive.
     pub hit: Hit,
 }
+
+/// Where a ray enters or leaves a primitive, or a union of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Index of the primitive in the slice that the tree was built from.
+    pub id: u32,
+    /// Where the ray meets the primitive.
+    pub hit: Hit,
+    /// Whether the ray enters the solid, or comes from the front of the surface.
+    pub enters: bool,
+}

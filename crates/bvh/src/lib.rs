@@ -71,9 +71,11 @@ mod traverse;
 
 pub use build::MAX_PRIMITIVES;
 pub use bvh::Bvh;
-pub use found::{Found, PrimitiveHit};
+pub use found::{Crossing, Found, PrimitiveHit};
 pub use isa::{Isa, UnknownIsa};
-pub use packed::{ConeTree, Packed, PatchTree, SphereTree, Statistics, TriangleTree, Visits};
+pub use packed::{
+    ConeTree, Packed, PatchTree, SphereTree, Start, Statistics, TriangleTree, Visits,
+};
 pub use refit::RefitError;
 pub use rotund_geometry::{self as geometry, Method};
 

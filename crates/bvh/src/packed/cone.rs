@@ -16,14 +16,14 @@
 //!
 //! The first hit is not before the nearer of the two points where the balls begin along the ray.
 
-use super::kernel::{Block, Candidates, Kernel};
+use super::kernel::{Block, Candidates, Kernel, both_ends, step};
 use super::method_tag::MethodTag;
 use super::round::RoundLanes;
 use super::vec3::{self, dot, neg_mul_add, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, RoundedCone, vanilla};
+use rotund_geometry::{Aabb, Hit, Method, Ray, RoundedCone, vanilla};
 
 impl Kernel for RoundedCone {
     type Vanilla = vanilla::Line;
@@ -115,5 +115,13 @@ impl Kernel for RoundedCone {
     #[inline(always)]
     fn vanilla(&self) -> vanilla::Line {
         vanilla::Line { p0: self.p0, r0: self.r0, p1: self.p1, r1: self.r1 }
+    }
+
+    #[inline(always)]
+    fn exact_crossings<M: MethodTag>(&self, ray: &Ray, visit: impl FnMut(Hit, bool)) {
+        match M::METHOD {
+            Method::Enhanced => both_ends(self, ray, visit),
+            Method::Vanilla => step(&self.vanilla(), ray, visit),
+        }
     }
 }

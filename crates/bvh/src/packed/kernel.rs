@@ -5,7 +5,7 @@ use super::method_tag::MethodTag;
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, Hit, Method, Primitive, Ray};
+use rotund_geometry::{Aabb, End, Hit, Method, Primitive, Ray, Solid};
 
 /// Up to [`WIDTH`] primitives, one row per number of a primitive, and their ids. Unused lanes
 /// repeat the primitive of the first lane and have the id [`NO_ID`].
@@ -124,6 +124,38 @@ pub trait Kernel: Primitive + Copy + Send + Sync {
         match M::METHOD {
             Method::Enhanced => self.closest_t(ray),
             Method::Vanilla => self.vanilla().closest_t(ray),
+        }
+    }
+
+    /// Calls `visit` with all hits in the interval of the ray, and whether the ray enters there.
+    #[inline(always)]
+    fn exact_crossings<M: MethodTag>(&self, ray: &Ray, visit: impl FnMut(Hit, bool)) {
+        match M::METHOD {
+            Method::Enhanced => step(self, ray, visit),
+            Method::Vanilla => step(&self.vanilla(), ray, visit),
+        }
+    }
+}
+
+/// Calls `visit` with all hits in the interval of the ray, by starting again behind each.
+#[inline(always)]
+pub(super) fn step(shape: &impl Primitive, ray: &Ray, mut visit: impl FnMut(Hit, bool)) {
+    let mut ray = *ray;
+    while let Some(hit) = shape.closest(&ray) {
+        visit(hit, hit.normal.dot(ray.direction) < 0.0);
+        ray.t_min = hit.t.next_up();
+    }
+}
+
+/// Calls `visit` with the entry and the exit of a solid, if they are in the interval of the ray.
+#[inline(always)]
+pub(super) fn both_ends(solid: &impl Solid, ray: &Ray, mut visit: impl FnMut(Hit, bool)) {
+    for end in [End::Entry, End::Exit] {
+        if let Some(hit) = solid.crossing(ray, end)
+            && ray.t_min <= hit.t
+            && hit.t <= ray.t_max
+        {
+            visit(hit, end == End::Entry);
         }
     }
 }

@@ -8,6 +8,7 @@
 mod any;
 mod closest;
 mod cone;
+mod crossings;
 mod exact;
 mod flat;
 mod kernel;
@@ -18,6 +19,7 @@ mod report;
 mod round;
 mod sphere;
 mod triangle;
+mod union;
 mod vec3;
 
 use crate::build::{SEQUENTIAL_LIMIT, build};
@@ -33,6 +35,7 @@ use rayon::prelude::*;
 use rotund_geometry::{Aabb, BilinearPatch, Method, Ray, RoundedCone, Sphere, Triangle};
 
 pub use report::{Statistics, Visits};
+pub use union::Start;
 
 /// A tree over spheres; vanilla: points.
 ///

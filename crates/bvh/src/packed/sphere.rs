@@ -21,14 +21,14 @@
 //! the squared half chord, and if it is positive the sphere is certainly hit. The error of `t`,
 //! below `12 u D / |d|`, is covered by `2^-19 (|t| + r / |d|)`.
 
-use super::kernel::{Block, Candidates, Kernel};
+use super::kernel::{Block, Candidates, Kernel, both_ends, step};
 use super::method_tag::MethodTag;
 use super::round::RoundLanes;
 use super::vec3::{self, dot};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::{Aabb, Method, Sphere, vanilla};
+use rotund_geometry::{Aabb, Hit, Method, Ray, Sphere, vanilla};
 
 impl Kernel for Sphere {
     type Vanilla = vanilla::Point;
@@ -112,5 +112,13 @@ impl Kernel for Sphere {
     #[inline(always)]
     fn vanilla(&self) -> vanilla::Point {
         vanilla::Point { center: self.center, radius: self.radius }
+    }
+
+    #[inline(always)]
+    fn exact_crossings<M: MethodTag>(&self, ray: &Ray, visit: impl FnMut(Hit, bool)) {
+        match M::METHOD {
+            Method::Enhanced => both_ends(self, ray, visit),
+            Method::Vanilla => step(&self.vanilla(), ray, visit),
+        }
     }
 }

@@ -143,8 +143,8 @@ fn filtered(filter: Filtered, exactly: impl FnOnce() -> Option<ExactInterval>) -
         Filtered::Found(interval) => Some(interval),
         Filtered::Uncertain => {
             let exact = exactly()?;
-            let [entry, exit] =
-                [exact.entry, exact.exit].map(<DoubleDouble as crate::double_double::Real>::nearest);
+            let [entry, exit] = [exact.entry, exact.exit]
+                .map(<DoubleDouble as crate::double_double::Real>::nearest);
             // Rounded to 53 bits.
             let error = f64::EPSILON * entry.abs().max(exit.abs()) + f64::MIN_POSITIVE;
             Some(Interval { entry, exit, error })

@@ -1,0 +1,514 @@
+//! The union of the solids of a tree as one body.
+//!
+//! A line is inside the union where it is inside any solid. A boundary of the union is where the
+//! intervals of the line inside the solids begin to cover it, or cease to. To find the exit from
+//! inside, the traversal *hops*: of the intervals that contain the present end, the one that ends
+//! last moves it, until none does. Each hop visits what contains one point, so the cost grows with
+//! the number of solids on the way, and no list of them is kept.
+//!
+//! Whether an interval begins before another ends is decided by their `f64` ends if they differ by
+//! more than their errors, else with 106 bits. Solids are closed: where two touch, there is no gap.
+
+use super::Packed;
+use super::crossings::INLINE;
+use super::kernel::{Candidates, HasIds, Kernel, NO_ID};
+use super::method_tag::Enhanced;
+use crate::found::Crossing;
+use crate::node::WIDTH;
+use crate::simd::{Simd, WithSimd};
+use crate::slab::SlabRay;
+use crate::traverse;
+use rotund_geometry::glam::Vec3;
+use rotund_geometry::{End, Interval, Method, Ray, Solid};
+use smallvec::SmallVec;
+use std::cmp::Ordering;
+use std::ops::ControlFlow;
+
+/// What is known about the start of a ray, at `t_min`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Start {
+    /// The position decides: the ray starts inside if an interval begins before `t_min` and ends
+    /// there or later.
+    #[default]
+    ByPosition,
+    /// The ray starts outside, because it leaves a boundary of the union. If rounding placed it
+    /// inside of another solid nonetheless, as may happen at a concave crease, the boundary of that
+    /// solid is reported at once, at `t_min`.
+    Outside,
+}
+
+/// The interval of a ray inside one solid of a tree.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    interval: Interval,
+    id: u32,
+    block: u32,
+    lane: u32,
+}
+
+/// The solids of a tree along one ray, in exact order.
+struct Pieces<'a, P: Kernel> {
+    packed: &'a Packed<P>,
+    ray: &'a Ray,
+}
+
+impl<P: Kernel + Solid + PartialEq> Pieces<'_, P> {
+    fn solid(&self, piece: &Piece) -> P {
+        P::unpack(&self.packed.blocks[piece.block as usize], piece.lane as usize)
+    }
+
+    /// Compares the ends of two intervals.
+    #[inline(always)]
+    fn compare(&self, (a, a_end): (&Piece, End), (b, b_end): (&Piece, End)) -> Ordering {
+        let (x, y) = (a.interval.end(a_end), b.interval.end(b_end));
+        // False for a NaN.
+        if (x - y).abs() > a.interval.error + b.interval.error {
+            return if x < y { Ordering::Less } else { Ordering::Greater };
+        }
+        self.compare_exactly((a, a_end), (b, b_end))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn compare_exactly(&self, (a, a_end): (&Piece, End), (b, b_end): (&Piece, End)) -> Ordering {
+        let (first, second) = (self.solid(a), self.solid(b));
+        if a_end == b_end && first == second {
+            return Ordering::Equal;
+        }
+        let exact = (first.interval_exactly(self.ray), second.interval_exactly(self.ray));
+        let (Some(x), Some(y)) = exact else { return Ordering::Equal };
+        x.compare(a_end, &y, b_end)
+    }
+
+    /// Compares an end of an interval with the start of the ray.
+    #[inline(always)]
+    fn compare_with_start(&self, piece: &Piece, end: End) -> Ordering {
+        let (x, t) = (piece.interval.end(end), f64::from(self.ray.t_min));
+        if (x - t).abs() > piece.interval.error {
+            return if x < t { Ordering::Less } else { Ordering::Greater };
+        }
+        let exact = self.solid(piece).interval_exactly(self.ray);
+        exact.map_or(Ordering::Less, |exact| exact.compare_with(end, self.ray.t_min))
+    }
+
+    /// Returns whether the ray starts inside the solid.
+    #[inline(always)]
+    fn contains_start(&self, piece: &Piece) -> bool {
+        self.compare_with_start(piece, End::Entry) == Ordering::Less
+            && self.compare_with_start(piece, End::Exit) != Ordering::Less
+    }
+
+    /// Returns whether `piece` ends after `last`, or with it and has a lower id.
+    #[inline(always)]
+    fn ends_later(&self, piece: &Piece, last: &Piece) -> bool {
+        match self.compare((piece, End::Exit), (last, End::Exit)) {
+            Ordering::Less => false,
+            Ordering::Equal => piece.id < last.id,
+            Ordering::Greater => true,
+        }
+    }
+
+    /// Returns whether `piece` begins before `first`, or with it and has a lower id.
+    #[inline(always)]
+    fn begins_earlier(&self, piece: &Piece, first: &Piece) -> bool {
+        match self.compare((piece, End::Entry), (first, End::Entry)) {
+            Ordering::Less => true,
+            Ordering::Equal => piece.id < first.id,
+            Ordering::Greater => false,
+        }
+    }
+
+    /// Returns the crossing at an end of an interval, at any `t`.
+    fn crossing(&self, piece: &Piece, end: End) -> Option<Crossing> {
+        let hit = self.solid(piece).crossing(self.ray, end)?;
+        Some(Crossing { id: piece.id, hit, enters: end == End::Entry })
+    }
+}
+
+impl<P: Kernel + Solid + PartialEq> Packed<P> {
+    /// Returns whether the point is in one of the solids or on its surface, decided with a certain
+    /// sign.
+    #[must_use]
+    pub fn contains(&self, point: Vec3) -> bool {
+        let ray = Ray { t_max: 0.0, ..Ray::new(point, Vec3::X) };
+        self.isa.run(Contains { packed: self, ray: &ray, point })
+    }
+
+    /// Returns the next boundary of the union of all solids with `t` in `ray.t_min..=ray.t_max`:
+    /// from outside where the ray enters it, from inside where it leaves it. Surfaces inside other
+    /// solids do not count.
+    ///
+    /// Which intervals overlap is decided exactly, to 106 bits, so the answer is that of counting,
+    /// over all solids, those that the ray is inside of. It does not depend on the instruction set.
+    /// Of solids that share the boundary, the lowest id is reported.
+    ///
+    /// From outside the cost is that of [`Packed::closest`] plus, if the ray starts inside of
+    /// [`Packed::bounds`], that of [`Packed::contains`]. From inside it is some of the latter for
+    /// each solid on the way out. There is no allocation.
+    ///
+    /// ```
+    /// use rotund_bvh::geometry::{Ray, Sphere, glam::Vec3};
+    /// use rotund_bvh::{SphereTree, Start};
+    ///
+    /// let spheres = [0.0, 1.0, 2.0].map(|x| Sphere { center: Vec3::X * x, radius: 0.75 });
+    /// let tree = SphereTree::build(&spheres);
+    /// let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    /// let exit = tree.boundary(&ray, Start::ByPosition).expect("the ray starts inside");
+    /// assert_eq!((exit.hit.t, exit.id, exit.enters), (2.75, 2, false));
+    /// ```
+    #[must_use]
+    pub fn boundary(&self, ray: &Ray, start: Start) -> Option<Crossing> {
+        let pieces = Pieces { packed: self, ray };
+        let bounds = self.bounds();
+        let in_bounds = bounds.min.cmple(ray.origin).all() && ray.origin.cmple(bounds.max).all();
+        let may_start_inside = ray.t_min != 0.0 || in_bounds;
+        if may_start_inside {
+            let search = match start {
+                Start::ByPosition => Search::LastExit,
+                Start::Outside => Search::FirstEntry,
+            };
+            let around = self.isa.run(FindAround::new(self, ray, ray, None, search));
+            if let Some(piece) = around {
+                if start == Start::Outside {
+                    let entry = pieces.crossing(&piece, End::Entry)?;
+                    let hit = rotund_geometry::Hit { t: ray.t_min, ..entry.hit };
+                    return Some(Crossing { hit, ..entry });
+                }
+                return self.exit_after(&pieces, piece);
+            }
+        }
+        self.entry(ray)
+    }
+
+    /// Returns the first entry of a ray that starts outside.
+    fn entry(&self, ray: &Ray) -> Option<Crossing> {
+        let mut ray = *ray;
+        loop {
+            let found = self.closest(&ray, Method::Enhanced)?;
+            let pieces = Pieces { packed: self, ray: &ray };
+            let enters = found.hit.normal.dot(ray.direction) < 0.0
+                || self.enters(&pieces, found.id, found.hit.t);
+            if enters {
+                return Some(Crossing { id: found.id, hit: found.hit, enters: true });
+            }
+            // An exit before `t_min` that was rounded to it.
+            ray.t_min = found.hit.t.next_up();
+        }
+    }
+
+    /// Returns whether a grazing hit whose normal does not tell is an entry.
+    #[cold]
+    #[inline(never)]
+    fn enters(&self, pieces: &Pieces<'_, P>, id: u32, t: f32) -> bool {
+        let at = Ray { t_min: t.next_down(), t_max: t.next_up(), ..*pieces.ray };
+        let mut enters = false;
+        _ = self.crossings(&at, Method::Enhanced, |crossing| {
+            enters |= crossing.id == id && crossing.enters;
+            ControlFlow::Continue(())
+        });
+        enters
+    }
+
+    /// Returns the exit from the union of a ray that is inside `last`.
+    fn exit_after(&self, pieces: &Pieces<'_, P>, mut last: Piece) -> Option<Crossing> {
+        let ray = pieces.ray;
+        loop {
+            let Interval { exit, error, .. } = last.interval;
+            let (mut low, mut high) = ((exit - error) as f32, (exit + error) as f32);
+            if !(low.is_finite() && high.is_finite()) {
+                (low, high) = (ray.t_min, ray.t_max);
+            }
+            if low > ray.t_max {
+                return None;
+            }
+            let here = Ray { t_min: low.next_down(), t_max: high.next_up(), ..*ray };
+            let next = FindAround::new(self, ray, &here, Some(last), Search::LastExit);
+            match self.isa.run(next) {
+                Some(next) if next.id != last.id => last = next,
+                _ => break,
+            }
+        }
+        let exit = pieces.crossing(&last, End::Exit)?;
+        (exit.hit.t <= ray.t_max).then(|| {
+            // An exit at `t_min` or later may have been rounded to a number before it.
+            let t = exit.hit.t.max(ray.t_min);
+            Crossing { hit: rotund_geometry::Hit { t, ..exit.hit }, ..exit }
+        })
+    }
+
+    /// Calls `visit` with every boundary of the union with `t` in `ray.t_min..=ray.t_max`, in
+    /// order, until it returns [`ControlFlow::Break`]; returns what it returned last.
+    ///
+    /// Entries and exits alternate. They are decided as by [`Packed::boundary`] with
+    /// [`Start::ByPosition`]; one traversal finds all of them. The intervals of up to 64 solids are
+    /// collected without allocation.
+    pub fn boundaries(
+        &self,
+        ray: &Ray,
+        mut visit: impl FnMut(&Crossing) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let pieces = Pieces { packed: self, ray };
+        let mut found = self.isa.run(FindPieces { packed: self, ray });
+        found.sort_unstable_by(|a, b| {
+            pieces.compare((a, End::Entry), (b, End::Entry)).then(a.id.cmp(&b.id))
+        });
+        let mut rest = found.iter();
+        let mut first = rest.next();
+        while let Some(begin) = first {
+            let mut last = begin;
+            first = rest.find(|piece| {
+                let follows =
+                    pieces.compare((piece, End::Entry), (last, End::Exit)) == Ordering::Greater;
+                if !follows && pieces.ends_later(piece, last) {
+                    last = piece;
+                }
+                follows
+            });
+            if pieces.compare_with_start(last, End::Exit) == Ordering::Less {
+                continue;
+            }
+            let is_after_start = pieces.compare_with_start(begin, End::Entry) != Ordering::Less;
+            let ends = [(begin, End::Entry, is_after_start), (last, End::Exit, true)];
+            for (piece, end, counts) in ends {
+                let Some(crossing) = pieces.crossing(piece, end).filter(|_| counts) else {
+                    continue;
+                };
+                if crossing.hit.t > ray.t_max {
+                    return ControlFlow::Continue(());
+                }
+                visit(&crossing)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// What to find among the solids that contain a point of a ray.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Search {
+    /// The solid that the ray leaves last.
+    LastExit,
+    /// The solid that the ray entered first.
+    FirstEntry,
+}
+
+/// Finds a solid around the start of `here`, a part of `ray`.
+struct FindAround<'a, P: Kernel> {
+    pieces: Pieces<'a, P>,
+    here: &'a Ray,
+    /// The solid whose exit moves; `None` at the start of `ray`.
+    best: Option<Piece>,
+    search: Search,
+}
+
+impl<'a, P: Kernel> FindAround<'a, P> {
+    #[inline(always)]
+    fn new(
+        packed: &'a Packed<P>,
+        ray: &'a Ray,
+        here: &'a Ray,
+        best: Option<Piece>,
+        search: Search,
+    ) -> Self {
+        Self { pieces: Pieces { packed, ray }, here, best, search }
+    }
+}
+
+impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
+    type Output = Option<Piece>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<Piece> {
+        let slab_ray = SlabRay::new(self.here)?;
+        let end = if self.best.is_some() { self.here.t_max } else { self.here.t_min };
+        let limit = slab_ray.limit(end);
+        let mut visitor = AroundVisitor::<S, P> {
+            lanes: P::lanes(simd, &slab_ray),
+            find: self,
+            slab_ray: &slab_ray,
+        };
+        let packed = visitor.find.pieces.packed;
+        traverse::closest(simd, &packed.tree, &slab_ray, limit, &mut visitor);
+        visitor.find.best
+    }
+}
+
+struct AroundVisitor<'a, S: Simd, P: Kernel> {
+    find: FindAround<'a, P>,
+    lanes: P::Lanes<S>,
+    slab_ray: &'a SlabRay,
+}
+
+impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for AroundVisitor<'_, S, P> {
+    #[inline(always)]
+    fn prefetch(&self, simd: S, index: usize) {
+        simd.prefetch(&self.find.pieces.packed.blocks[index]);
+    }
+}
+
+impl<S: Simd, P: Kernel + Solid + PartialEq> traverse::ClosestVisitor<S>
+    for AroundVisitor<'_, S, P>
+{
+    #[inline(always)]
+    fn leaf(&mut self, simd: S, index: usize, mut limit: f32) -> f32 {
+        let pieces = &self.find.pieces;
+        let block = &pieces.packed.blocks[index];
+        let Candidates { possible: mut mask, .. } =
+            P::candidates::<S, Enhanced>(simd, &self.lanes, block, limit);
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % WIDTH;
+            mask &= mask - 1;
+            let id = block.ids()[lane];
+            if id == NO_ID || self.find.best.is_some_and(|best| best.id == id) {
+                continue;
+            }
+            let Some(piece) = piece::<S, P>(simd, pieces, index, lane) else { continue };
+            let better = match (&self.find.best, self.find.search) {
+                (None, _) => pieces.contains_start(&piece),
+                (Some(best), Search::FirstEntry) => {
+                    pieces.contains_start(&piece) && pieces.begins_earlier(&piece, best)
+                }
+                (Some(best), Search::LastExit) => {
+                    pieces.ends_later(&piece, best)
+                        && pieces.compare((&piece, End::Entry), (best, End::Exit))
+                            != Ordering::Greater
+                }
+            };
+            if better {
+                self.find.best = Some(piece);
+                if self.find.search == Search::LastExit {
+                    let end = (piece.interval.exit + piece.interval.error) as f32;
+                    limit = limit.max(self.slab_ray.limit(end.next_up()));
+                }
+            }
+        }
+        limit
+    }
+}
+
+/// Returns the interval of the ray inside the solid of a lane.
+#[inline(always)]
+fn piece<S: Simd, P: Kernel + Solid>(
+    simd: S,
+    pieces: &Pieces<'_, P>,
+    index: usize,
+    lane: usize,
+) -> Option<Piece> {
+    let block = &pieces.packed.blocks[index];
+    let interval = simd.run_outlined(FindInterval::<P> { block, lane, ray: pieces.ray })?;
+    Some(Piece { interval, id: block.ids()[lane], block: index as u32, lane: lane as u32 })
+}
+
+struct FindInterval<'a, P: Kernel> {
+    block: &'a P::Block,
+    lane: usize,
+    ray: &'a Ray,
+}
+
+impl<P: Kernel + Solid> WithSimd for FindInterval<'_, P> {
+    type Output = Option<Interval>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Option<Interval> {
+        P::unpack(self.block, self.lane).interval(self.ray)
+    }
+}
+
+/// Collects the intervals of all solids along a ray.
+struct FindPieces<'a, P: Kernel> {
+    packed: &'a Packed<P>,
+    ray: &'a Ray,
+}
+
+impl<P: Kernel + Solid> WithSimd for FindPieces<'_, P> {
+    type Output = SmallVec<[Piece; INLINE]>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let Some(slab_ray) = SlabRay::new(self.ray) else { return SmallVec::new() };
+        let limit = slab_ray.limit(self.ray.t_max);
+        let mut visitor = PiecesVisitor::<S, P> {
+            pieces: Pieces { packed: self.packed, ray: self.ray },
+            lanes: P::lanes(simd, &slab_ray),
+            limit,
+            found: SmallVec::new(),
+        };
+        traverse::any(simd, &self.packed.tree, &slab_ray, limit, &mut visitor);
+        visitor.found
+    }
+}
+
+struct PiecesVisitor<'a, S: Simd, P: Kernel> {
+    pieces: Pieces<'a, P>,
+    lanes: P::Lanes<S>,
+    limit: f32,
+    found: SmallVec<[Piece; INLINE]>,
+}
+
+impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for PiecesVisitor<'_, S, P> {}
+
+impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for PiecesVisitor<'_, S, P> {
+    /// Never stops the traversal.
+    #[inline(always)]
+    fn leaf(&mut self, simd: S, index: usize) -> bool {
+        let block = &self.pieces.packed.blocks[index];
+        let Candidates { possible: mut mask, .. } =
+            P::candidates::<S, Enhanced>(simd, &self.lanes, block, self.limit);
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % WIDTH;
+            mask &= mask - 1;
+            if block.ids()[lane] != NO_ID
+                && let Some(piece) = piece::<S, P>(simd, &self.pieces, index, lane)
+            {
+                self.found.push(piece);
+            }
+        }
+        false
+    }
+}
+
+/// Finds out whether a point is in any solid.
+struct Contains<'a, P: Kernel> {
+    packed: &'a Packed<P>,
+    /// A ray of length zero at the point.
+    ray: &'a Ray,
+    point: Vec3,
+}
+
+impl<P: Kernel + Solid> WithSimd for Contains<'_, P> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let Some(slab_ray) = SlabRay::new(self.ray) else { return false };
+        let limit = slab_ray.limit(0.0);
+        let lanes = P::lanes(simd, &slab_ray);
+        let mut visitor = ContainsVisitor::<S, P> { find: &self, lanes, limit };
+        traverse::any(simd, &self.packed.tree, &slab_ray, limit, &mut visitor)
+    }
+}
+
+struct ContainsVisitor<'a, S: Simd, P: Kernel> {
+    find: &'a Contains<'a, P>,
+    lanes: P::Lanes<S>,
+    limit: f32,
+}
+
+impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for ContainsVisitor<'_, S, P> {}
+
+impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for ContainsVisitor<'_, S, P> {
+    #[inline(always)]
+    fn leaf(&mut self, simd: S, index: usize) -> bool {
+        let block = &self.find.packed.blocks[index];
+        let Candidates { possible: mut mask, .. } =
+            P::candidates::<S, Enhanced>(simd, &self.lanes, block, self.limit);
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % WIDTH;
+            mask &= mask - 1;
+            if block.ids()[lane] != NO_ID && P::unpack(block, lane).contains(self.find.point) {
+                return true;
+            }
+        }
+        false
+    }
+}
