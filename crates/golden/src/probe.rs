@@ -46,7 +46,8 @@ impl Probe {
         let mut hit = first;
         while crossings < MAX_CROSSINGS {
             ray.origin = hit.spawn(ray.direction).origin;
-            let Some(next) = trees.closest(scene, &ray) else { break };
+            let left = hit.left_by(ray.direction);
+            let Some(next) = trees.closest_after(scene, &ray, left) else { break };
             (hit, crossings) = (next, crossings + 1);
         }
         let away = {
@@ -57,7 +58,7 @@ impl Probe {
         let material = scene.eval_material(first.instance, first.element, first.uv);
         Self {
             crossings,
-            escapes: !trees.any(scene, &first.spawn(away)),
+            escapes: !trees.any_after(scene, &first.spawn(away), first.left_by(away)),
             depth: first.t,
             normal: scene.shading_normal(&first, -ray.direction),
             texcoord: scene.eval_texcoord(first.instance, first.element, first.uv),

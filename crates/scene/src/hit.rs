@@ -56,6 +56,14 @@ impl SceneHit {
         self.plain().spawn_to(point)
     }
 
+    /// Returns the instance whose outside a ray from this point in `direction` is on, for
+    /// [`crate::Trees::closest_after`]; `None` if the ray goes inside.
+    #[must_use]
+    #[inline]
+    pub fn left_by(&self, direction: Vec3) -> Option<u32> {
+        (self.normal.dot(direction) >= 0.0).then_some(self.instance)
+    }
+
     /// Returns the hit without its instance and element.
     #[inline]
     fn plain(&self) -> Hit {

@@ -8,14 +8,16 @@ use crate::{
     validate::item,
 };
 use rayon::prelude::*;
-use rotund_bvh::{Bvh, Isa, PrimitiveHit, Statistics};
+use rotund_bvh::{Bvh, Isa, PrimitiveHit, Start, Statistics};
 use rotund_geometry::{Hit, Ray};
 
 /// The acceleration structure of one scene: bounding volume hierarchies over its instances and
 /// elements.
 ///
 /// The trees hold copies of the geometry and serve either [`crate::Method`], so methods, materials
-/// and textures may change freely. After vertices, radii or frames moved, call [`Trees::refit`];
+/// and textures may change freely, with one exception: trees know the shapes that are one body into
+/// which one can see (see [`crate::Overlap`]), so call [`Trees::refit`] where a material of points
+/// or lines becomes opaque or ceases to be. After vertices, radii or frames moved, call [`Trees::refit`];
 /// after shapes, elements or instances were added or removed, build new trees.
 #[derive(Clone, Debug)]
 pub struct Trees {
@@ -143,21 +145,40 @@ impl Trees {
     /// Returns the first hit of the ray with `t` in `t_min..=t_max`. Of equal `t`, the lowest
     /// instance wins, and in it the lowest element.
     ///
+    /// Where the points or lines of a shape are one body (see [`crate::Overlap`]), a hit is a
+    /// boundary of it. Whether the ray starts inside is decided by its origin. For a ray that
+    /// leaves a surface use [`Trees::closest_after`].
+    ///
     /// # Panics
     ///
     /// May panic if `scene` is not the one that the trees were built from or refitted to.
     #[must_use]
     pub fn closest(&self, scene: &Scene, ray: &Ray) -> Option<SceneHit> {
+        self.closest_after(scene, ray, None)
+    }
+
+    /// Returns the first hit of a ray that was spawned from a hit. `left` is the instance that the
+    /// ray left, by [`SceneHit::left_by`].
+    ///
+    /// It is [`Trees::closest`], except at creases where elements of one body meet: there rounding
+    /// may place the origin inside a neighbour of the element that the ray left. Such a ray enters
+    /// the neighbour at once, and does not pass through it unnoticed.
+    ///
+    /// # Panics
+    ///
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
+    #[must_use]
+    pub fn closest_after(&self, scene: &Scene, ray: &Ray, left: Option<u32>) -> Option<SceneHit> {
         if let [placement] = self.placements.as_slice() {
             // Borrow the hit instead of moving it: copying it right after the store stalls on
             // store-to-load forwarding.
-            let found = self.closest_in(scene, placement, ray);
+            let found = self.closest_in(scene, placement, ray, left);
             return found
                 .as_ref()
                 .map(|found| self.scene_hit(scene, placement, found.id, &found.hit));
         }
         let test = |id: u32, ray: &Ray| {
-            let found = self.closest_in(scene, &self.placements[id as usize], ray)?;
+            let found = self.closest_in(scene, &self.placements[id as usize], ray, left)?;
             Some((found.hit.t, found))
         };
         let found = self.upper.closest(ray, test)?;
@@ -167,10 +188,20 @@ impl Trees {
 
     /// Returns the first hit of the ray in a placement, in object space.
     #[inline(always)]
-    fn closest_in(&self, scene: &Scene, placement: &Placement, ray: &Ray) -> Option<PrimitiveHit> {
+    fn closest_in(
+        &self,
+        scene: &Scene,
+        placement: &Placement,
+        ray: &Ray,
+        left: Option<u32>,
+    ) -> Option<PrimitiveHit> {
         let shape = &scene.shapes[placement.shape as usize];
         let tree = &self.trees[placement.tree as usize];
-        tree.closest(&placement.object_ray(shape, ray), shape.method)
+        let ray = placement.object_ray(shape, ray);
+        if placement.is_union(shape) {
+            return tree.boundary(&ray, start(placement, left));
+        }
+        tree.closest(&ray, shape.method)
     }
 
     /// Converts the hit of an element of a placement to world space.
@@ -223,19 +254,39 @@ impl Trees {
         (placement.instance + place as u32, element - starts[place])
     }
 
-    /// Returns true if the ray has a hit with `t` in `t_min..=t_max`.
+    /// Returns true if the ray has a hit with `t` in `t_min..=t_max`, that is, if
+    /// [`Trees::closest`] finds one.
     ///
     /// # Panics
     ///
     /// May panic if `scene` is not the one that the trees were built from or refitted to.
     #[must_use]
     pub fn any(&self, scene: &Scene, ray: &Ray) -> bool {
+        self.any_after(scene, ray, None)
+    }
+
+    /// Returns true if [`Trees::closest_after`] finds a hit.
+    ///
+    /// # Panics
+    ///
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
+    #[must_use]
+    pub fn any_after(&self, scene: &Scene, ray: &Ray, left: Option<u32>) -> bool {
         let test = |id: u32, ray: &Ray| {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let ray = placement.object_ray(shape, ray);
-            self.trees[placement.tree as usize].any(&ray, shape.method)
+            let tree = &self.trees[placement.tree as usize];
+            if placement.is_union(shape) {
+                return tree.boundary(&ray, start(placement, left)).is_some();
+            }
+            tree.any(&ray, shape.method)
         };
         if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }
+}
+
+/// Returns what is known about the start of a ray that left an instance.
+fn start(placement: &Placement, left: Option<u32>) -> Start {
+    if left == Some(placement.instance) { Start::Outside } else { Start::ByPosition }
 }

@@ -94,6 +94,7 @@ mod intersect;
 #[cfg(feature = "load")]
 mod load;
 mod material;
+mod overlap;
 mod placement;
 mod primitive;
 mod scene;
@@ -111,6 +112,7 @@ pub use intersect::{Route, Trees};
 #[cfg(feature = "load")]
 pub use load::{LoadError, LoadOptions, LoadProblem, Loaded, NamedBy, load, load_bytes};
 pub use material::{Material, MaterialKind, MaterialPoint};
+pub use overlap::Overlap;
 pub use rotund_geometry as geometry;
 pub use rotund_geometry::Method;
 pub use scene::{Instance, Scene};

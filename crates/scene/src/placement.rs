@@ -1,6 +1,9 @@
 //! Placements: instances prepared for ray queries, where small neighbours share a tree.
 
-use crate::{ElementKind, Elements, Instance, Scene, Shape, frame::Frame, shape_tree::ShapeTree};
+use crate::{
+    ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame, overlap::Unions,
+    shape_tree::ShapeTree,
+};
 use glam::Affine3A;
 use rayon::prelude::*;
 use rotund_bvh::TriangleTree;
@@ -18,6 +21,8 @@ pub(crate) struct Placement {
     /// Vanilla points and lines nearer than this to the start of a ray, in object space, are taken
     /// for the one that the ray has just left.
     ribbon_start: f32,
+    /// The elements are one body into which one can see.
+    union: bool,
 }
 
 /// The most triangles of an instance that shares a tree. Larger ones only have the tree of their
@@ -57,6 +62,12 @@ impl Placement {
         }
         ray
     }
+
+    /// Returns whether the surface of the shape is the boundary of the union of its elements.
+    #[inline]
+    pub(crate) fn is_union(&self, shape: &Shape) -> bool {
+        self.union && shape.method == Method::Enhanced
+    }
 }
 
 /// The placements of a scene, their bounds, and the trees that they refer to.
@@ -74,12 +85,14 @@ impl Placements {
     /// Prepares the instances. `trees` are those of the shapes; shared ones are added.
     pub(crate) fn new(scene: &Scene, mut trees: Vec<ShapeTree>) -> Self {
         let parts = parts(scene);
+        let unions = Unions::new(scene);
         let place = |&(instance, part): &(u32, &[Instance])| {
             let Instance { shape, world_from_object, .. } = part[0];
             let frame = Frame::new(world_from_object);
             let bounds = trees[shape as usize].bounds();
             let ribbon_start = frame.ribbon_start(bounds);
-            let placement = Placement { instance, shape, tree: shape, frame, ribbon_start };
+            let union = unions.contain(&part[0]);
+            let placement = Placement { instance, shape, tree: shape, frame, ribbon_start, union };
             (placement, frame.world_bounds(bounds))
         };
         let (mut placements, mut boxes): (Vec<_>, Vec<_>) = parts.par_iter().map(place).unzip();

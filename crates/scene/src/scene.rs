@@ -1,6 +1,6 @@
 //! The arrays that make a scene, and the indices between them.
 
-use crate::{Camera, ElementKind, Environment, Material, Method, Shape, Texture};
+use crate::{Camera, ElementKind, Environment, Material, Method, Overlap, Shape, Texture};
 use glam::{Affine3A, Vec3A};
 use rotund_geometry::Aabb;
 
@@ -87,6 +87,27 @@ impl Scene {
         for shape in self.shapes.iter_mut().filter(|shape| shape.elements.kind() == kind) {
             shape.method = method;
         }
+    }
+
+    /// Sets whether the points or lines of every shape are one body. Trees over the scene must be
+    /// refitted.
+    pub fn set_overlap(&mut self, overlap: Overlap) {
+        for shape in &mut self.shapes {
+            shape.overlap = overlap;
+        }
+    }
+
+    /// Returns whether the opacity of a material is 1 everywhere, its texture included. Colours of
+    /// vertices may still scale it.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range.
+    #[must_use]
+    pub fn material_is_opaque(&self, material: u32) -> bool {
+        let Material { opacity, color_tex, .. } = &self.materials[material as usize];
+        *opacity >= 1.0
+            && color_tex.is_none_or(|texture| self.textures[texture as usize].is_opaque())
     }
 
     /// Moves the frames of cameras and instances so that `origin` becomes the origin of the world.

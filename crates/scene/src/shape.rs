@@ -1,5 +1,6 @@
 //! Elements over vertices.
 
+use crate::Overlap;
 use glam::{Vec2, Vec3, Vec4};
 use rotund_geometry::Method;
 use std::fmt;
@@ -91,6 +92,8 @@ pub struct Shape {
     pub name: String,
     /// Exact shapes or the usual approximations.
     pub method: Method,
+    /// Whether points or lines that overlap are one body.
+    pub overlap: Overlap,
     /// Vertex indices of each element.
     pub elements: Elements,
     /// Vertex positions in meters.

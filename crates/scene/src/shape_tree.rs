@@ -2,7 +2,7 @@
 
 use crate::{Elements, Method, Shape};
 use rotund_bvh::{
-    ConeTree, Isa, Packed, PatchTree, PrimitiveHit, SphereTree, Statistics, TriangleTree,
+    ConeTree, Isa, Packed, PatchTree, PrimitiveHit, SphereTree, Start, Statistics, TriangleTree,
 };
 use rotund_geometry::{Aabb, BilinearPatch, Ray, RoundedCone, Sphere, Triangle};
 
@@ -90,6 +90,17 @@ impl ShapeTree {
             Self::Triangles(tree) => tree.closest(ray, method),
             Self::Quads(tree) => tree.closest(ray, method),
         }
+    }
+
+    /// Returns the next boundary of the union of points or lines. Other elements have none.
+    #[inline(never)]
+    pub(crate) fn boundary(&self, ray: &Ray, start: Start) -> Option<PrimitiveHit> {
+        let crossing = match self {
+            Self::Points(tree) => tree.boundary(ray, start)?,
+            Self::Lines(tree) => tree.boundary(ray, start)?,
+            Self::Triangles(_) | Self::Quads(_) => return None,
+        };
+        Some(PrimitiveHit { id: crossing.id, hit: crossing.hit })
     }
 
     #[inline]

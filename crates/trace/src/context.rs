@@ -63,15 +63,10 @@ impl Facts {
 
 /// True if no surface of the scene lets rays go straight through.
 fn is_opaque(scene: &Scene) -> bool {
-    let image_is_opaque = |texture: &Option<u32>| {
-        texture.is_none_or(|texture| scene.textures[texture as usize].is_opaque())
+    let is_opaque = |(index, material): (u32, &Material)| {
+        material.kind != MaterialKind::Volumetric && scene.material_is_opaque(index)
     };
-    let is_opaque = |material: &Material| {
-        material.opacity >= 1.0
-            && material.kind != MaterialKind::Volumetric
-            && image_is_opaque(&material.color_tex)
-    };
-    scene.materials.iter().all(is_opaque)
+    (0..).zip(&scene.materials).all(is_opaque)
         && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
 }
 

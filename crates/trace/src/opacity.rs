@@ -19,14 +19,17 @@ impl Context<'_> {
         mut ray: Ray,
         sampler: &Sampler,
     ) -> (Option<(SceneHit, MaterialPoint)>, u64) {
+        let mut left = None;
         for sheet in 0..SHEETS {
             let rays = u64::from(sheet) + 1;
-            let Some(hit) = self.trees.closest(self.scene, &ray) else { return (None, rays) };
+            let found = self.trees.closest_after(self.scene, &ray, left);
+            let Some(hit) = found else { return (None, rays) };
             let material = self.scene.eval_material(hit.instance, hit.element, hit.uv);
             if material.opacity >= 1.0 || sampler.set(SHEET_SETS + sheet)[0] < material.opacity {
                 return (Some((hit, material)), rays);
             }
             ray.origin = hit.spawn(ray.direction).origin;
+            left = hit.left_by(ray.direction);
         }
         (None, u64::from(SHEETS))
     }

@@ -51,26 +51,26 @@ impl Context<'_> {
             None => Vec3::ONE,
             Some(end) => media.transmittance(end.distance(origin)),
         };
-        let origin = match departure {
+        let (origin, mut left) = match departure {
             Departure::Surface { hit, outgoing, medium } => {
                 if let Some(medium) = medium
                     && hit.normal.dot(*outgoing) * hit.normal.dot(incoming) < 0.0
                 {
                     media.to_mut().cross(hit, incoming, *medium);
                 }
-                hit.spawn(incoming).origin
+                (hit.spawn(incoming).origin, hit.left_by(incoming))
             }
-            Departure::Inside(position) => *position,
+            Departure::Inside(position) => (*position, None),
         };
         let mut ray = segment(origin);
         if self.facts.opaque {
-            let blocked = self.trees.any(self.scene, &ray);
+            let blocked = self.trees.any_after(self.scene, &ray, left);
             return (if blocked { Vec3::ZERO } else { last_piece(&media, origin) }, 1);
         }
         let mut share = Vec3::ONE;
         let mut borders = target.borders;
         for rays in 1..=u64::from(SHEETS) {
-            let Some(sheet) = self.trees.closest(self.scene, &ray) else {
+            let Some(sheet) = self.trees.closest_after(self.scene, &ray, left) else {
                 return (share * last_piece(&media, ray.origin), rays);
             };
             share *= media.transmittance(sheet.position.distance(ray.origin));
@@ -84,6 +84,7 @@ impl Context<'_> {
                 return (Vec3::ZERO, rays);
             }
             ray = segment(sheet.spawn(incoming).origin);
+            left = sheet.left_by(incoming);
         }
         (Vec3::ZERO, u64::from(SHEETS))
     }

@@ -1,6 +1,6 @@
 //! Surfaces of grids of quads.
 
-use crate::{Elements, Method, Shape};
+use crate::{Elements, Shape};
 use glam::{Vec2, Vec3};
 
 /// A vertex of a surface.
@@ -20,16 +20,7 @@ pub(super) enum Winding {
 
 /// Returns a shape without elements, to which grids are added.
 pub(super) fn surface() -> Shape {
-    Shape {
-        name: String::new(),
-        method: Method::default(),
-        elements: Elements::Quads(Vec::new()),
-        positions: Vec::new(),
-        normals: Vec::new(),
-        texcoords: Vec::new(),
-        colors: Vec::new(),
-        radii: Vec::new(),
-    }
+    Shape { elements: Elements::Quads(Vec::new()), ..Shape::default() }
 }
 
 /// Adds `columns` by `rows` quads over the unit square, row by row from `v = 0` up.

@@ -128,6 +128,9 @@ pub(super) fn shapes(
         if let Some(method) = shape.method.or(file.method) {
             loaded.method = method;
         }
+        if let Some(overlap) = shape.overlap {
+            loaded.overlap = overlap;
+        }
         // Values from files are checked already; generators and subdivisions may overflow.
         if shape.generator.is_some() || subdiv.is_some() {
             validate::shape(i, &loaded)

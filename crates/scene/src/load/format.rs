@@ -1,7 +1,7 @@
 //! The structure of scene files for serde, with the defaults of the format.
 
 use super::collection::{Collection, Reference, items, items_or_files, object};
-use crate::{Method, camera::look_at, generate};
+use crate::{Method, Overlap, camera::look_at, generate};
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Deserializer};
 
@@ -176,6 +176,7 @@ pub(super) struct ShapeFile {
     pub datafile: Option<String>,
     pub generator: Option<generate::Geometry>,
     pub method: Option<Method>,
+    pub overlap: Option<Overlap>,
 }
 
 impl From<String> for TextureFile {

@@ -301,6 +301,7 @@ impl Surface {
         let mut shape = Shape {
             name: control.name.clone(),
             method: control.method,
+            overlap: control.overlap,
             elements: Elements::Quads(Vec::new()),
             positions: Vec::new(),
             normals: Vec::new(),

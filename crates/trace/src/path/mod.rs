@@ -43,6 +43,8 @@ struct Path<'a> {
     context: &'a Context<'a>,
     sampler: Sampler,
     ray: Ray,
+    /// The instance on whose outside the ray starts.
+    left: Option<u32>,
     throughput: Vec3,
     origin: Option<Origin>,
     media: Media,
@@ -74,6 +76,7 @@ impl Context<'_> {
             context: self,
             sampler: *sampler,
             ray,
+            left: None,
             throughput: Vec3::ONE,
             origin: None,
             media: Media::default(),
@@ -119,7 +122,7 @@ impl Path<'_> {
         self.arrived.rays += 1;
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
-        let found = self.context.trees.closest(scene, &self.ray);
+        let found = self.context.trees.closest_after(scene, &self.ray, self.left);
         let Some(hit) = &found else {
             self.gather_environment();
             return Next::End;
@@ -171,6 +174,7 @@ impl Path<'_> {
     /// Continues straight behind a surface.
     fn pass(&mut self, hit: &SceneHit) {
         self.ray.origin = hit.spawn(self.ray.direction).origin;
+        self.left = hit.left_by(self.ray.direction);
     }
 
     fn gather_environment(&mut self) {
@@ -202,7 +206,7 @@ impl Path<'_> {
 
     /// Takes the next segment, unless the throughput is zero or Russian roulette ends the path.
     #[inline(always)]
-    fn continue_along(&mut self, ray: Ray, roulette: f32) -> Next {
+    fn continue_along(&mut self, ray: Ray, left: Option<u32>, roulette: f32) -> Next {
         if self.segment >= ROULETTE_AFTER {
             let survival = (self.throughput.max_element() / ROULETTE_BELOW).min(0.99);
             if roulette >= survival {
@@ -210,7 +214,7 @@ impl Path<'_> {
             }
             self.throughput /= survival;
         }
-        self.ray = ray;
+        (self.ray, self.left) = (ray, left);
         self.straight = false;
         self.segment += 1;
         if self.throughput == Vec3::ZERO { Next::End } else { Next::Segment }

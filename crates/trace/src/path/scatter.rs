@@ -62,7 +62,7 @@ impl Path<'_> {
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = lit.then_some(Origin { receiver, pdf });
-        self.continue_along(Ray::new(position, incoming), roulette)
+        self.continue_along(Ray::new(position, incoming), None, roulette)
     }
 
     pub(super) fn scatter_at(&mut self, hit: &SceneHit, material: &MaterialPoint) -> Next {
@@ -97,7 +97,7 @@ impl Path<'_> {
         }
         self.throughput *= scattered.weight;
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
-        match self.continue_along(hit.spawn(incoming), roulette) {
+        match self.continue_along(hit.spawn(incoming), hit.left_by(incoming), roulette) {
             Next::Segment if divided => Next::Parts,
             next => next,
         }
