@@ -47,16 +47,7 @@ pub(crate) fn chi_squared_limit(freedom: usize) -> f64 {
 
 /// Returns a shape of elements, positions and radii only.
 pub(crate) fn shape(elements: Elements, positions: Vec<Vec3>, radii: Vec<f32>) -> Shape {
-    Shape {
-        name: String::new(),
-        method: Method::Enhanced,
-        elements,
-        positions,
-        normals: Vec::new(),
-        texcoords: Vec::new(),
-        colors: Vec::new(),
-        radii,
-    }
+    Shape { elements, positions, radii, ..Shape::default() }
 }
 
 /// Returns a quad of four corners, in order around it.
