@@ -52,13 +52,21 @@ enum Command {
     #[command(flatten)]
     Rotund(rotund::Command),
     /// Measure speed against error of every intersector.
-    Accuracy(rotund_study::accuracy::Args),
+    Accuracy(AccuracyArgs),
     /// Measure how fast trees are built and traversed.
     Rays(RaysArgs),
     /// Render a scene far from the origin, tiny and huge, and measure what changed.
     Moved(moved::Args),
     /// Check dependencies, circles between files, formulas, sizes, leftovers and scenes.
     Tidy(tidy::Args),
+}
+
+#[derive(Debug, clap::Args)]
+struct AccuracyArgs {
+    #[command(flatten)]
+    accuracy: rotund_study::accuracy::Args,
+    #[command(flatten)]
+    load: rotund::LoadArgs,
 }
 
 #[derive(Debug, clap::Args)]
@@ -86,15 +94,22 @@ fn program() -> clap::Command {
         .mut_subcommand("completions", |command| command.after_help(COMPLETIONS_EXAMPLES))
 }
 
+/// Loads a scene for a measurement.
+fn named(scene: &str, load: &rotund::LoadArgs) -> anyhow::Result<(String, Scene)> {
+    let named = rotund::load(scene, load)?;
+    Ok((named.name, named.scene))
+}
+
 impl Command {
     fn run(self, program: clap::Command) -> anyhow::Result<()> {
         match self {
             Self::Rotund(command) => command.run(program),
-            Self::Accuracy(args) => rotund_study::accuracy::run(args),
-            Self::Rays(RaysArgs { rays, load }) => rotund_study::rays::run(rays, &|scene| {
-                let named = rotund::load(scene, &load)?;
-                Ok((named.name, named.scene))
-            }),
+            Self::Accuracy(AccuracyArgs { accuracy, load }) => {
+                rotund_study::accuracy::run(accuracy, &|scene| named(scene, &load))
+            }
+            Self::Rays(RaysArgs { rays, load }) => {
+                rotund_study::rays::run(rays, &|scene| named(scene, &load))
+            }
             Self::Moved(args) => moved::run(args),
             Self::Tidy(args) => tidy::run(args),
         }

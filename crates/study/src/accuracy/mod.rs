@@ -18,6 +18,7 @@ mod study;
 mod tally;
 mod targets;
 mod timing;
+mod unions;
 
 use std::{
     fs,
@@ -28,13 +29,16 @@ use std::{
 use self::progress::Progress;
 use anyhow::{Context, Result, bail, ensure};
 use rotund_report::console::say;
+use rotund_scene::Scene;
 
 const EXAMPLES: &str = "\
 Examples:
   cargo xtask accuracy --out out/accuracy
   cargo xtask accuracy --shape cone --family grazing --method Rotund --no-timing
   cargo xtask accuracy --seed 7 --check
-  cargo xtask accuracy --round-trip 10000000";
+  cargo xtask accuracy --round-trip 10000000
+  cargo xtask accuracy --unions 10000000
+  cargo xtask accuracy --unions 1000000 neuron.swc";
 
 /// Options of `accuracy`.
 #[derive(Debug, clap::Args)]
@@ -76,22 +80,40 @@ pub struct Args {
         conflicts_with_all = ["shape", "family", "method", "rays", "json", "check", "replay", "no_timing"]
     )]
     round_trip: Option<u64>,
+    /// Only compare the boundaries of unions along so many rays, and so many points in them, with
+    /// depth counting in 106 bits: of sets of balls and cones, and of the points and lines of the
+    /// scenes that are given.
+    #[arg(
+        long,
+        value_name = "COUNT",
+        conflicts_with_all = [
+            "shape", "family", "method", "rays", "json", "check", "replay", "no_timing", "round_trip"
+        ]
+    )]
+    unions: Option<u64>,
+    /// Scenes or lone files for --unions.
+    #[arg(value_name = "SCENE", requires = "unions")]
+    scenes: Vec<String>,
     /// Do not measure time.
     #[arg(long)]
     no_timing: bool,
 }
 
-/// Runs the command.
+/// Runs the command. `load` loads the scene of a name or path, and returns its name too.
 ///
 /// # Errors
 ///
 /// If no row has the names given, a file cannot be written, or a target is missed with `--check`.
-pub fn run(args: Args) -> Result<()> {
+pub fn run(args: Args, load: &dyn Fn(&str) -> Result<(String, Scene)>) -> Result<()> {
     if let Some(case) = &args.replay {
         return replay::run(case);
     }
     if let Some(count) = args.round_trip {
         return round_trip::run(count, args.seed);
+    }
+    if let Some(count) = args.unions {
+        let scenes = args.scenes.iter().map(|scene| load(scene)).collect::<Result<Vec<_>>>()?;
+        return unions::run(count, args.seed, &scenes);
     }
     ensure!(args.rays > 0, "--rays must be at least 1");
     let options = study::Options {

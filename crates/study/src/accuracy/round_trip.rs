@@ -197,16 +197,7 @@ fn scene_of(kind: ElementKind, method: Method, frame: Affine3A, random: &mut Ran
         positions.extend((0..vertices).map(|_| center + SIZE * vector()));
     }
     let radii = positions.iter().map(|_| SIZE * random.range(0.02, 0.35) as f32).collect();
-    let shape = Shape {
-        name: String::new(),
-        method,
-        elements,
-        positions,
-        normals: vec![],
-        texcoords: vec![],
-        colors: vec![],
-        radii,
-    };
+    let shape = Shape { method, elements, positions, radii, ..Shape::default() };
     let (name, world_from_object) = (String::new(), frame);
     Scene {
         materials: vec![Material::default()],

@@ -14,6 +14,8 @@ use rotund_geometry::Ray;
 
 use crate::wide::{Wide, Wide3};
 
+pub(crate) use rounded_cone::nearest_ball;
+
 /// An intersection of the whole line of a ray with the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {

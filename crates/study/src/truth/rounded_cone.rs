@@ -138,7 +138,7 @@ fn frustum(x: Wide3, d: Wide3, a: Wide3, r0: Wide, r1: Wide) -> Option<(Wide, Wi
 
 /// Returns the ball of the sweep whose surface is nearest to `x`: the minimum of
 /// `|x - c(s)| - r(s)`, which is a convex function of `s`.
-fn nearest_ball(cone: &RoundedCone, x: Wide3) -> (Wide3, Wide) {
+pub(crate) fn nearest_ball(cone: &RoundedCone, x: Wide3) -> (Wide3, Wide) {
     let (p0, p1) = (Wide3::from(cone.p0), Wide3::from(cone.p1));
     let (r0, r1) = (Wide::from(cone.r0), Wide::from(cone.r1));
     let a = p1 - p0;
