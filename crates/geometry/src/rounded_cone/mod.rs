@@ -63,8 +63,9 @@ use profile::Profile;
 /// # Degenerate inputs
 ///
 /// If one ball contains the other, or both have the same center, the shape is the larger ball. One
-/// radius may be zero: that end is a tip, and its normal is along the axis. If both radii are zero,
-/// or one is negative or NaN, or a center is not finite, every ray misses.
+/// radius may be zero: that end is a tip. The normal of a hit there is along the axis, and that of
+/// [`Self::normal`] is the limit of the normals of the body. If both radii are zero, or one is
+/// negative or NaN, or a center is not finite, every ray misses.
 ///
 /// ```
 /// use rotund_geometry::glam::Vec3;
