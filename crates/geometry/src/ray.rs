@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::float::{UNIT_ROUNDOFF, leave_surface};
+use crate::float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 
 /// The points `origin + t * direction` with `t` in `t_min..=t_max`.
 ///
@@ -114,12 +114,23 @@ impl Hit {
         Ray::new(leave_surface(self.position, self.error, self.normal, direction), direction)
     }
 
-    /// Returns the ray from this point towards `point`, at `t = 1`, for visibility tests: `any` is
-    /// true if a primitive lies in between.
+    /// Returns the ray from this point towards `point`, for visibility tests: `any` is true if a
+    /// primitive lies in between. `t = 1` is `point`.
     ///
-    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, because the rounding of `t`
-    /// could otherwise report a surface on which `point` lies. This suffices unless the ray grazes
-    /// that surface. Between two hits, step off both surfaces:
+    /// It starts as [`Hit::spawn`] does. It ends before `point`, so that a surface on which `point`
+    /// lies does not count: at `t_max = 1 - max(32 u, 16 e / l)`, where `u` is [`UNIT_ROUNDOFF`],
+    /// `e` the [`rounding_error`] of `point`, and `l` the longest component of the direction. This
+    /// is `1 - 32 u = 1 - 2⁻¹⁹` unless the coordinates of `point` are larger than the distance.
+    ///
+    /// It suffices if
+    ///
+    /// - `point` lies within `e` of the surface, as the position of a hit and a point that was
+    ///   computed in `f64` and rounded once do;
+    /// - the cosine between the ray and the normal of the surface is at least 0.1 in absolute value;
+    /// - the radius of curvature of the surface is large compared with `e / 0.1²`.
+    ///
+    /// A distance below `16 e` cannot be resolved: the interval is empty, and nothing lies between.
+    /// For grazing rays between two hits, step off both surfaces:
     ///
     /// ```
     /// use rotund_geometry::{Ray, Sphere, glam::Vec3};
@@ -137,7 +148,15 @@ impl Hit {
     #[inline]
     pub fn spawn_to(&self, point: Vec3) -> Ray {
         let origin = leave_surface(self.position, self.error, self.normal, point - self.position);
-        Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, point - origin) }
+        let direction = point - origin;
+        // The surface lies within `e` of the point, and the point within `u` times the length of
+        // the end of the ray, whose direction is rounded. Along the ray the cosine divides both, and
+        // `t` is rounded by another `u`. For a cosine of 0.1 this is `10 (e / l + u) + u`, which is
+        // less than the larger of `32 u` and `16 e / l`; the rest is for the curvature. The longest
+        // component bounds the length from below and neither overflows nor underflows.
+        let share = rounding_error(point) / direction.abs().max_element();
+        let margin = (16.0 * share).max(32.0 * UNIT_ROUNDOFF);
+        Ray { t_max: 1.0 - margin, ..Ray::new(origin, direction) }
     }
 }
 

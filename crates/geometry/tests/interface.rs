@@ -1,10 +1,15 @@
 //! What a caller relies on besides the intersections: the trait, spawned rays, defaults, methods.
 
+#[path = "../src/test_random.rs"]
+mod test_random;
+
 use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::vanilla::{Line, Point, Quad};
 use rotund_geometry::{
-    Aabb, BilinearPatch, Hit, Method, Primitive, Ray, RoundedCone, Sphere, Triangle, leave_surface,
+    Aabb, BilinearPatch, Hit, Method, Primitive, Ray, RoundedCone, Sphere, Triangle, UNIT_ROUNDOFF,
+    leave_surface,
 };
+use test_random::Random;
 
 const RAY: Ray = Ray::new(Vec3::new(0.3, 0.2, 5.0), Vec3::NEG_Z);
 
@@ -99,6 +104,50 @@ fn a_ray_to_a_point_sees_what_is_between_and_not_the_ends() {
         assert!(!wall.any(&ray), "{why}: {ray:?}");
         assert!(wall.any(&Ray { t_max: 1.0 + 1e-6, ..ray }), "{why}: {ray:?}");
     }
+}
+
+/// Returns shapes of size 1 about `center`, of every kind that has a surface of its own.
+fn shapes_about(center: Vec3, random: &mut Random) -> [Box<dyn Primitive>; 4] {
+    let mut corner = || center + random.direction().as_vec3();
+    let (p0, p1, p2, p3) = (corner(), corner(), corner(), corner());
+    [
+        Box::new(Sphere { center, radius: 1.0 }),
+        Box::new(RoundedCone { p0, r0: 0.5, p1, r1: 0.25 }),
+        Box::new(BilinearPatch { p00: p0, p10: p1, p01: p2, p11: p3 }),
+        Box::new(Triangle { p0, p1, p2 }),
+    ]
+}
+
+#[test]
+fn a_ray_to_a_point_of_a_surface_ends_before_it_at_every_distance_from_the_origin() {
+    for offset in [0.0, 100.0, 1e3, 1e4] {
+        let (mut seen, mut random) = ([0; 4], Random(offset as u64));
+        while seen.iter().any(|&count| count < 2000) {
+            let center = (offset * random.direction()).as_vec3();
+            let distance = random.range(4.0, 16.0);
+            let eye = (center.as_dvec3() + distance * random.direction()).as_vec3();
+            let lens = Sphere { center: eye, radius: 0.5 };
+            for (kind, shape) in shapes_about(center, &mut random).iter().enumerate() {
+                let towards = center - eye + 0.5 * random.in_cube();
+                let Some(start) = lens.closest(&Ray::new(eye, towards)) else { continue };
+                let Some(target) = shape.closest(&start.spawn(towards)) else { continue };
+                let segment = start.spawn_to(target.position);
+                if segment.direction.normalize().dot(target.normal).abs() < 0.1 {
+                    continue;
+                }
+                seen[kind] += 1;
+                assert!(!shape.any(&segment), "{offset}: {kind} {target:?} {segment:?}");
+                let between = Sphere { center: eye.lerp(target.position, 0.75), radius: 0.25 };
+                assert!(between.any(&segment), "{offset}: {segment:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_to_a_near_point_of_usual_coordinates_ends_32_roundings_before_it() {
+    let hit = Sphere::default().closest(&RAY).expect("near the middle");
+    assert_eq!(hit.spawn_to(Vec3::new(0.5, 0.5, 9.0)).t_max, 1.0 - 32.0 * UNIT_ROUNDOFF);
 }
 
 #[test]
