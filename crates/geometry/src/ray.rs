@@ -17,8 +17,13 @@ use crate::float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 /// let segment = Ray { t_max: 2.5, ..ray };
 /// assert_eq!(segment.at(segment.t_max), Vec3::new(2.5, 0.0, 0.0));
 /// ```
+///
+/// With the feature `serde`, `t_min` and `t_max` may be omitted: they are then 0 and infinity, as in
+/// [`Ray::new`]. A field with another name is an error. A `t_max` of infinity is written as none,
+/// in JSON `null`; a `t_max` that is NaN or minus infinity cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Ray {
     /// The point at `t = 0`.
     pub origin: Vec3,
@@ -171,9 +176,9 @@ mod unbounded {
 
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
     pub(super) fn serialize<S: Serializer>(t_max: &f32, serializer: S) -> Result<S::Ok, S::Error> {
-        if t_max.is_nan() {
+        if t_max.is_nan() || *t_max == f32::NEG_INFINITY {
             // JSON writes it as `null`, which would come back as infinity.
-            return Err(ser::Error::custom("t_max is NaN"));
+            return Err(ser::Error::custom(format_args!("t_max is {t_max}")));
         }
         (*t_max != f32::INFINITY).then_some(*t_max).serialize(serializer)
     }
