@@ -196,6 +196,25 @@ fn a_method_is_read_back_from_its_name() {
     assert_eq!(format!("[{:>9}]", Method::Vanilla), "[  vanilla]");
 }
 
+#[test]
+fn an_unknown_method_is_named_in_the_error() {
+    let expected = "expected \"vanilla\" or \"enhanced\"";
+    let long = "a".repeat(40);
+    // The limit of 32 bytes lies within the last character.
+    let across_the_limit = format!("{}é", "a".repeat(31));
+    for (name, shown) in [
+        ("embree", "\"embree\""),
+        ("", "\"\""),
+        ("a\nb", "\"a\\nb\""),
+        (&long[..32], &format!("{:?}", &long[..32])),
+        (&long, &format!("{:?}...", &long[..32])),
+        (&across_the_limit, &format!("{:?}...", &long[..31])),
+    ] {
+        let error = name.parse::<Method>().expect_err("no such method");
+        assert_eq!(error.to_string(), format!("unknown method {shown}: {expected}"));
+    }
+}
+
 /// Asserts that a shape with a NaN or an infinity in any one of its numbers is a miss.
 macro_rules! assert_misses {
     ($shape:ident { $($field:ident),+ }, $set:ident) => {
