@@ -44,6 +44,11 @@
 //!   a triangle without area); only the radius of a vanilla point or line may be infinite, and then
 //!   every ray in front of it hits;
 //! - the `t` of the crossing is no finite `f32`.
+//! The vanilla shapes differ in two cases. The radius of a point or a line may be infinite, and
+//! then every ray in front of it hits. A line misses where its radius, interpolated at the closest
+//! approach, is not positive: if one of its radii is negative, the part with a positive radius can
+//! be hit.
+//!
 //!
 //! ```
 //! use rotund_geometry::glam::Vec3;

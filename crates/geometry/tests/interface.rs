@@ -254,6 +254,16 @@ fn a_shape_with_a_number_that_is_not_finite_misses() {
 }
 
 #[test]
+fn a_negative_radius_misses_except_on_the_part_of_a_ribbon_where_the_radius_is_positive() {
+    assert_eq!(Sphere { radius: -1.0, ..Sphere::default() }.closest(&RAY), None);
+    assert_eq!(Point { radius: -1.0, ..Point::default() }.closest(&RAY), None);
+    assert_eq!(RoundedCone { r1: -1.0, ..RoundedCone::default() }.closest(&RAY), None);
+    let line = Line { r1: -1.0, ..Line::default() };
+    assert!(line.any(&RAY), "the radius is 0.6 where the ray passes");
+    assert!(!line.any(&Ray { origin: RAY.origin.with_y(0.6), ..RAY }), "here it is -0.2");
+}
+
+#[test]
 fn a_ray_with_a_number_that_is_not_finite_misses() {
     let shapes: [&dyn Primitive; 7] = [
         &Sphere::default(),
