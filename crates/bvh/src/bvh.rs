@@ -174,12 +174,17 @@ impl Bvh {
     /// goes to the lowest id.
     ///
     /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit
-    /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
-    /// outside the interval, or NaN, counts as a miss. The `t_max` of the ray in the call is that
-    /// of the closest hit so far. Ids come in no particular order, roughly from near to far, each
-    /// at most once.
+    /// [`Primitive::any`] decides. It must respect the interval of the ray and agree with
+    /// [`Primitive::closest`], as the trait requires: its result is not checked, whereas
+    /// [`Bvh::closest_of`] ignores a `t` outside the interval.
     ///
-    /// A ray whose origin or direction is not finite, or whose direction is zero, hits nothing.
+    /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
+    /// that is outside the interval or not finite counts as a miss. The `t_max` of the ray in the
+    /// call is that of the closest hit so far. Ids come in no particular order, roughly from near to
+    /// far, each at most once.
+    ///
+    /// A ray whose origin or direction is not finite, whose direction is zero, or whose interval is
+    /// empty or has a NaN, hits nothing, and `test` is not called.
     #[inline]
     pub fn closest<T>(
         &self,
@@ -189,7 +194,9 @@ impl Bvh {
         let slab_ray = SlabRay::new(ray)?;
         let mut visitor = ClosestVisitor {
             slab_ray: &slab_ray,
-            ray,
+            // A `t` that is not finite is a miss, also where the interval is infinite.
+            first: ray.t_min.max(f32::MIN),
+            last: ray.t_max.min(f32::MAX),
             shrinking: *ray,
             best: None,
             test: &mut test,
@@ -201,7 +208,12 @@ impl Bvh {
     /// Returns whether `test` returns true for any primitive whose box the ray meets.
     ///
     /// `test` is called with the id of a primitive and the ray, in no particular order, each id at
-    /// most once, until it returns true.
+    /// most once, until it returns true. It must test the interval `ray.t_min..=ray.t_max` itself:
+    /// boxes are conservative, so it is also called for some primitives that lie outside the
+    /// interval or beside the ray, and its answer is final.
+    ///
+    /// A ray whose origin or direction is not finite, whose direction is zero, or whose interval is
+    /// empty or has a NaN, hits nothing: the result is false, and `test` is not called.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
         let Some(slab_ray) = SlabRay::new(ray) else { return false };
@@ -224,7 +236,9 @@ impl Bvh {
 
 struct ClosestVisitor<'a, T, F> {
     slab_ray: &'a SlabRay,
-    ray: &'a Ray,
+    /// The interval of the ray, clamped to finite numbers.
+    first: f32,
+    last: f32,
     shrinking: Ray,
     best: Option<Found<T>>,
     test: &'a mut F,
@@ -242,10 +256,10 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::ClosestVisit
             return limit;
         };
         let wins = match &self.best {
-            None => t >= self.ray.t_min && t <= self.ray.t_max,
+            None => t >= self.first && t <= self.last,
             // A tie goes to the lower id, so that the answer does not depend on the order of
             // traversal.
-            Some(best) => t >= self.ray.t_min && (t < best.t || (t == best.t && id < best.id)),
+            Some(best) => t >= self.first && (t < best.t || (t == best.t && id < best.id)),
         };
         if !wins {
             return limit;
@@ -267,7 +281,7 @@ impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> WithSimd for TraverseClosest<'_
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let ray = self.visitor.slab_ray;
-        let limit = ray.limit(self.visitor.ray.t_max);
+        let limit = ray.limit(self.visitor.shrinking.t_max);
         traverse::closest(simd, self.tree, ray, limit, self.visitor);
     }
 }
