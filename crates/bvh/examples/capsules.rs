@@ -27,7 +27,7 @@ fn brute_force(capsules: &[RoundedCone], ray: &Ray) -> Option<PrimitiveHit> {
     let hits =
         hits.filter_map(|(id, c)| Some(PrimitiveHit { id: id as u32, hit: c.closest(ray)? }));
     // The first of equal ones, as in a tree.
-    hits.min_by(|a, b| a.hit.t.total_cmp(&b.hit.t))
+    hits.min_by(|a, b| a.hit.t.partial_cmp(&b.hit.t).expect("no t is NaN"))
 }
 
 /// Moves the swarm, and picks capsules on the way.

@@ -202,7 +202,7 @@ pub(crate) fn main() {
         let ray = Ray::new(origin, target - origin);
         let hits =
             chain.iter().enumerate().filter_map(|(id, link)| Some((link.closest(&ray)?, id)));
-        let nearest = hits.min_by(|(a, _), (b, _)| a.t.total_cmp(&b.t));
+        let nearest = hits.min_by(|(a, _), (b, _)| a.t.partial_cmp(&b.t).expect("no t is NaN"));
         let found = tree.closest_of(&chain, &ray);
         assert_eq!(found.map(|found| (found.hit, found.id as usize)), nearest, "{ray:?}");
         assert_eq!(tree.any_of(&chain, &ray), nearest.is_some(), "{ray:?}");

@@ -121,7 +121,7 @@
 //!     .iter()
 //!     .enumerate()
 //!     .filter_map(|(id, shape)| Some((id, shape.closest(&ray)?)))
-//!     .min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))
+//!     .min_by(|(_, a), (_, b)| a.t.partial_cmp(&b.t).expect("no t is NaN"))
 //!     .expect("the ray runs along the axis of both");
 //! assert_eq!((id, hit.t, hit.position), (1, 4.0, Vec3::new(0.0, 0.0, -1.0)));
 //!

@@ -62,6 +62,10 @@ impl Ray {
     /// All primitives decide by this test whether a root counts. It tests the rounded value, which
     /// is the one that callers see: a hit is always within its interval, and is found again if it
     /// becomes an end of the interval. A NaN, in `t` or at an end of the interval, gives `None`.
+    ///
+    /// The result may be `-0.0`. To find the closest of several hits, compare by `<` or
+    /// `partial_cmp`, for which both zeros are equal, as the trees of `rotund-bvh` do, and not by
+    /// `total_cmp`.
     #[must_use]
     #[inline]
     pub fn accept(&self, t: f64) -> Option<f32> {
