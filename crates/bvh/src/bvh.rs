@@ -13,9 +13,10 @@ use rotund_geometry::{Aabb, Primitive, Ray};
 
 /// A tree over boxes, for primitives of your own.
 ///
-/// Each primitive is known by its index in the slice that the tree was built from, and must lie
-/// inside its box; the parts outside may be missed. Empty boxes and boxes with a NaN are never
-/// visited, and are not in [`Bvh::bounds`].
+/// The id of a primitive is its index in the slice given to [`build`](Self::build) or
+/// [`build_of`](Self::build_of). A primitive must lie inside its box; the parts outside may be
+/// missed. Empty boxes and boxes with a NaN are never visited, and are not in [`Bvh::bounds`];
+/// [`Bvh::left_out`] counts them.
 ///
 /// There are two ways to query it:
 ///
@@ -96,19 +97,27 @@ impl Bvh {
         Self { tree, isa: Isa::default_set() }
     }
 
-    /// The union of all boxes that are not empty; [`Aabb::EMPTY`] if there is none.
+    /// The union of all boxes that are not empty; [`Aabb::EMPTY`] if there is none. Infinite sides
+    /// are clamped to the largest finite numbers, `-f32::MAX` and `f32::MAX`.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds
     }
 
+    /// The number of boxes that were given to [`Self::build`] and are not in the tree, because they
+    /// are empty or have a NaN.
+    #[must_use]
+    pub fn left_out(&self) -> usize {
+        self.tree.left_out()
+    }
+
     /// Moves the boxes: `boxes[i]` becomes the box of primitive `i`. The bounds of all nodes are
     /// recomputed bottom-up; the topology of the tree stays.
     ///
-    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart,
-    /// nodes grow and overlap, and rays visit more of them. Refit while primitives move together,
-    /// or by a few of their sizes; build a new tree when queries have slowed down by more than a
-    /// build costs. A refit takes a small part of the time of a build.
+    /// Queries return the same results as a rebuilt tree, but may be slower: where neighbors in the
+    /// tree move apart, nodes grow and overlap, and rays visit more of them. Refit while primitives
+    /// move together, or by a few of their sizes; build a new tree when queries have slowed down by
+    /// more than a build costs. A refit takes a small part of the time of a build.
     ///
     /// # Errors
     ///
@@ -116,13 +125,27 @@ impl Bvh {
     /// not empty now or the reverse (a box with a NaN counts as empty). The tree is then as it was
     /// before the call.
     pub fn refit(&mut self, boxes: &[Aabb]) -> Result<(), RefitError> {
+        self.refit_by(boxes.len(), |id| boxes[id as usize])
+    }
+
+    /// Moves the boxes to the bounds of `primitives`: `primitives[i]` replaces the primitive `i` of
+    /// [`Bvh::build_of`]. [`Bvh::refit`] says when a new tree is better.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Bvh::refit`], for the bounds of `primitives`.
+    pub fn refit_of<P: Primitive>(&mut self, primitives: &[P]) -> Result<(), RefitError> {
+        self.refit_by(primitives.len(), |id| primitives[id as usize].bounds())
+    }
+
+    fn refit_by(&mut self, count: usize, bounds: impl Fn(u32) -> Aabb) -> Result<(), RefitError> {
         let leaves = self.tree.nodes.iter().flat_map(|node| &node.children);
         let leaves = leaves.filter(|child| child.is_leaf() && **child != Child::NONE);
         let ids = leaves.map(|leaf| leaf.index() as u32);
-        let is_empty = |id: u32| finite_part(boxes[id as usize]).is_none();
+        let is_empty = |id: u32| finite_part(bounds(id)).is_none();
         let any_empty = || ids.clone().any(is_empty);
-        self.tree.check_refit(boxes.len(), any_empty, ids.clone(), is_empty)?;
-        self.tree.refit(|id| finite_part(boxes[id]).unwrap_or(Aabb::EMPTY));
+        self.tree.check_refit(count, any_empty, ids.clone(), is_empty)?;
+        self.tree.refit(|id| finite_part(bounds(id as u32)).unwrap_or(Aabb::EMPTY));
         Ok(())
     }
 
@@ -151,6 +174,10 @@ impl Bvh {
     /// Returns whether the ray hits any of `primitives`, that is, whether [`Bvh::closest_of`] finds
     /// one.
     ///
+    /// [`Primitive::any`] decides. It must respect the interval of the ray and agree with
+    /// [`Primitive::closest`], as the trait requires: its result is not checked, whereas
+    /// [`Bvh::closest_of`] ignores a `t` outside the interval.
+    ///
     /// # Panics
     ///
     /// If the number of primitives is not that of the build.
@@ -174,10 +201,6 @@ impl Bvh {
     /// goes to the lowest id.
     ///
     /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit
-    /// [`Primitive::any`] decides. It must respect the interval of the ray and agree with
-    /// [`Primitive::closest`], as the trait requires: its result is not checked, whereas
-    /// [`Bvh::closest_of`] ignores a `t` outside the interval.
-    ///
     /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
     /// that is outside the interval or not finite counts as a miss. The `t_max` of the ray in the
     /// call is that of the closest hit so far. Ids come in no particular order, roughly from near to

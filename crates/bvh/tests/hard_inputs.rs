@@ -151,7 +151,15 @@ fn bounds_are_those_of_the_boxes_that_are_not_empty() {
         aabb([2.; 3], [1.; 3]),
         aabb([-1., 0., 5.], [0., 0., 5.]),
     ];
-    assert_eq!(Bvh::build(&boxes).bounds(), aabb([-1., 0., 0.], [1., 1., 5.]));
+    let bvh = Bvh::build(&boxes);
+    assert_eq!(bvh.bounds(), aabb([-1., 0., 0.], [1., 1., 5.]));
+    assert_eq!(bvh.left_out(), 2);
+}
+
+#[test]
+fn bounds_are_clamped_to_the_largest_finite_numbers() {
+    let bvh = Bvh::build(&[aabb([-INF, 0., 0.], [INF, 1., 1.])]);
+    assert_eq!(bvh.bounds(), aabb([-MAX, 0., 0.], [MAX, 1., 1.]));
 }
 
 #[test]

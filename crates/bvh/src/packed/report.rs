@@ -13,7 +13,7 @@ use rotund_geometry::{Aabb, Method, Ray};
 /// The size and the expected cost of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
-    /// Number of primitives, without those that were left out.
+    /// Number of primitives, without those that were [left out](Packed::left_out).
     pub primitives: usize,
     /// Number of inner nodes.
     pub nodes: usize,
