@@ -41,14 +41,13 @@
 //! - the ray has a NaN in any field, an infinity in its origin or direction, or a zero direction;
 //! - its interval is empty (`t_min > t_max`);
 //! - the shape has a NaN or an infinity, a negative radius, or no extent (a sphere of radius zero,
-//!   a triangle without area); only the radius of a vanilla point or line may be infinite, and then
-//!   every ray in front of it hits;
+//!   a triangle without area);
 //! - the `t` of the crossing is no finite `f32`.
+//!
 //! The vanilla shapes differ in two cases. The radius of a point or a line may be infinite, and
 //! then every ray in front of it hits. A line misses where its radius, interpolated at the closest
 //! approach, is not positive: if one of its radii is negative, the part with a positive radius can
 //! be hit.
-//!
 //!
 //! ```
 //! use rotund_geometry::glam::Vec3;
@@ -68,8 +67,8 @@
 //! assert!(!ball.any(&Ray { t_max: f32::NAN, ..ray }));
 //! ```
 //!
-//! The box of an invalid shape may be anything; a tree that is built over it must cope with that,
-//! as `rotund-bvh` does.
+//! The bounds of an invalid shape are unspecified: they may be empty, infinite or NaN. The trees of
+//! `rotund-bvh` accept them.
 //!
 //! # Accuracy
 //!
@@ -91,7 +90,8 @@
 //!
 //! `tests/` checks all of this against arithmetic of 106 bits; `cargo xtask accuracy` compares it
 //! with the published methods. The bounds hold for an origin up to 2²⁶ sizes away, and for a cone
-//! up to 10⁶ radii long.
+//! up to 10⁶ radii long. From farther away, the position on a round shape may lie outside of its
+//! box, by rounding. They do not hold near `f32::MAX`: a coordinate beyond it is infinite.
 //!
 //! # Features
 //!

@@ -11,7 +11,7 @@
 //! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant
 //! `k1² - k0 k2` has terms that grow with the fourth power of the distance. Let `w = f × d`,
 //! `g = d × e` and `w1 = w + g = (o - p1) × d`. In these the terms that grow with the distance
-//! cancel symbolically, before any rounding, which generalises the use of Lagrange's identity for
+//! cancel symbolically, before any rounding, which generalizes the use of Lagrange's identity for
 //! the sphere to two balls:
 //!
 //! ```text
@@ -269,7 +269,8 @@ impl RoundedCone {
         Some(Root { t: root.t, s, from_ball: root.from_center, normal: root.normal })
     }
 
-    /// Returns a box that contains the shape and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the shape and every position that [`Self::closest`] reports for a
+    /// ray that starts up to 2²⁶ sizes away.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let (r0, r1) = (Vec3::splat(self.r0), Vec3::splat(self.r1));
@@ -287,7 +288,7 @@ impl RoundedCone {
     /// Returns the point at the fraction `u` of the profile, and at the angle `2 pi v` around the
     /// axis.
     ///
-    /// The profile is parametrised by arc length. It runs from the pole of the cap about `p0` over
+    /// The profile is parametrized by arc length. It runs from the pole of the cap about `p0` over
     /// this cap, the body and the other cap to the pole about `p1`.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {

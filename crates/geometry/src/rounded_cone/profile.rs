@@ -1,4 +1,4 @@
-//! The parametrisation of the rounded cone by its profile and the angle around its axis.
+//! The parametrization of the rounded cone by its profile and the angle around its axis.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
