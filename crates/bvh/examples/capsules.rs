@@ -27,7 +27,7 @@ fn brute_force(capsules: &[RoundedCone], ray: &Ray) -> Option<PrimitiveHit> {
     let hits =
         hits.filter_map(|(id, c)| Some(PrimitiveHit { id: id as u32, hit: c.closest(ray)? }));
     // The first of equal ones, as in a tree.
-    hits.min_by(|a, b| a.hit.t.total_cmp(&b.hit.t))
+    hits.min_by(|a, b| a.hit.t.partial_cmp(&b.hit.t).expect("no t is NaN"))
 }
 
 /// Moves the swarm, and picks capsules on the way.
@@ -38,7 +38,7 @@ pub(crate) fn main() {
     for step in 1..=8 {
         let capsules = swarm(0.5 * step as f32);
         tree.refit(&capsules).expect("as many capsules as before, all of them finite");
-        // Queries slow down as neighbours in the tree move apart. The surface area heuristic tells
+        // Queries slow down as neighbors in the tree move apart. The surface area heuristic tells
         // when a new tree is worth its build.
         if tree.statistics().sah > 1.5 * built_cost {
             tree = ConeTree::build(&capsules);

@@ -28,7 +28,7 @@ impl Torus {
         [x, y, axis]
     }
 
-    /// The directions from the centre to the circle, and from the circle to the surface.
+    /// The directions from the center to the circle, and from the circle to the surface.
     fn directions(&self, uv: Vec2) -> [DVec3; 2] {
         let [x, y, axis] = self.frame();
         let [u, v] = [uv.x, uv.y].map(|turn| (TAU * f64::from(turn)).sin_cos());
@@ -55,7 +55,7 @@ impl Primitive for Torus {
         }
     }
 
-    /// Solves the quartic in `f64`, for the point of the ray closest to the centre as its origin,
+    /// Solves the quartic in `f64`, for the point of the ray closest to the center as its origin,
     /// so that the distance of the ray costs no digits.
     ///
     /// The reported point lies on the surface up to its rounding to `f32`.
@@ -117,7 +117,7 @@ impl Primitive for Torus {
 /// Returns the real roots of `q[0] + q[1] s + ... + q[4] s⁴` between `low` and `high`, in
 /// increasing order.
 ///
-/// Between two neighbouring roots of its derivative a polynomial is monotone and has at most one
+/// Between two neighboring roots of its derivative a polynomial is monotone and has at most one
 /// root. So the roots of each derivative bracket those of the next lower one, down to the quartic.
 /// A double root is found twice or not at all.
 fn roots(q: [f64; 5], [low, high]: [f64; 2]) -> Vec<f64> {
@@ -202,7 +202,7 @@ pub(crate) fn main() {
         let ray = Ray::new(origin, target - origin);
         let hits =
             chain.iter().enumerate().filter_map(|(id, link)| Some((link.closest(&ray)?, id)));
-        let nearest = hits.min_by(|(a, _), (b, _)| a.t.total_cmp(&b.t));
+        let nearest = hits.min_by(|(a, _), (b, _)| a.t.partial_cmp(&b.t).expect("no t is NaN"));
         let found = tree.closest_of(&chain, &ray);
         assert_eq!(found.map(|found| (found.hit, found.id as usize)), nearest, "{ray:?}");
         assert_eq!(tree.any_of(&chain, &ray), nearest.is_some(), "{ray:?}");

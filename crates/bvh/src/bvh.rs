@@ -13,9 +13,10 @@ use rotund_geometry::{Aabb, Primitive, Ray};
 
 /// A tree over boxes, for primitives of your own.
 ///
-/// Each primitive is known by its index in the slice that the tree was built from, and must lie
-/// inside its box; the parts outside may be missed. Empty boxes and boxes with a NaN are never
-/// visited, and are not in [`Bvh::bounds`].
+/// The id of a primitive is its index in the slice given to [`build`](Self::build) or
+/// [`build_of`](Self::build_of). A primitive must lie inside its box; the parts outside may be
+/// missed. Empty boxes and boxes with a NaN are never visited, and are not in [`Bvh::bounds`];
+/// [`Bvh::left_out`] counts them.
 ///
 /// There are two ways to query it:
 ///
@@ -96,19 +97,27 @@ impl Bvh {
         Self { tree, isa: Isa::default_set() }
     }
 
-    /// The union of all boxes that are not empty; [`Aabb::EMPTY`] if there is none.
+    /// The union of all boxes that are not empty; [`Aabb::EMPTY`] if there is none. Infinite sides
+    /// are clamped to the largest finite numbers, `-f32::MAX` and `f32::MAX`.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds
     }
 
+    /// The number of boxes that were given to [`Self::build`] and are not in the tree, because they
+    /// are empty or have a NaN.
+    #[must_use]
+    pub fn left_out(&self) -> usize {
+        self.tree.left_out()
+    }
+
     /// Moves the boxes: `boxes[i]` becomes the box of primitive `i`. The bounds of all nodes are
     /// recomputed bottom-up; the topology of the tree stays.
     ///
-    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart,
-    /// nodes grow and overlap, and rays visit more of them. Refit while primitives move together,
-    /// or by a few of their sizes; build a new tree when queries have slowed down by more than a
-    /// build costs. A refit takes a small part of the time of a build.
+    /// Queries return the same results as a rebuilt tree, but may be slower: where neighbors in the
+    /// tree move apart, nodes grow and overlap, and rays visit more of them. Refit while primitives
+    /// move together, or by a few of their sizes; build a new tree when queries have slowed down by
+    /// more than a build costs. A refit takes a small part of the time of a build.
     ///
     /// # Errors
     ///
@@ -116,13 +125,27 @@ impl Bvh {
     /// not empty now or the reverse (a box with a NaN counts as empty). The tree is then as it was
     /// before the call.
     pub fn refit(&mut self, boxes: &[Aabb]) -> Result<(), RefitError> {
+        self.refit_by(boxes.len(), |id| boxes[id as usize])
+    }
+
+    /// Moves the boxes to the bounds of `primitives`: `primitives[i]` replaces the primitive `i` of
+    /// [`Bvh::build_of`]. [`Bvh::refit`] says when a new tree is better.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Bvh::refit`], for the bounds of `primitives`.
+    pub fn refit_of<P: Primitive>(&mut self, primitives: &[P]) -> Result<(), RefitError> {
+        self.refit_by(primitives.len(), |id| primitives[id as usize].bounds())
+    }
+
+    fn refit_by(&mut self, count: usize, bounds: impl Fn(u32) -> Aabb) -> Result<(), RefitError> {
         let leaves = self.tree.nodes.iter().flat_map(|node| &node.children);
         let leaves = leaves.filter(|child| child.is_leaf() && **child != Child::NONE);
         let ids = leaves.map(|leaf| leaf.index() as u32);
-        let is_empty = |id: u32| finite_part(boxes[id as usize]).is_none();
+        let is_empty = |id: u32| finite_part(bounds(id)).is_none();
         let any_empty = || ids.clone().any(is_empty);
-        self.tree.check_refit(boxes.len(), any_empty, ids.clone(), is_empty)?;
-        self.tree.refit(|id| finite_part(boxes[id]).unwrap_or(Aabb::EMPTY));
+        self.tree.check_refit(count, any_empty, ids.clone(), is_empty)?;
+        self.tree.refit(|id| finite_part(bounds(id as u32)).unwrap_or(Aabb::EMPTY));
         Ok(())
     }
 
@@ -151,6 +174,10 @@ impl Bvh {
     /// Returns whether the ray hits any of `primitives`, that is, whether [`Bvh::closest_of`] finds
     /// one.
     ///
+    /// [`Primitive::any`] decides. It must respect the interval of the ray and agree with
+    /// [`Primitive::closest`], as the trait requires: its result is not checked, whereas
+    /// [`Bvh::closest_of`] ignores a `t` outside the interval.
+    ///
     /// # Panics
     ///
     /// If the number of primitives is not that of the build.
@@ -175,11 +202,12 @@ impl Bvh {
     ///
     /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit
     /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
-    /// outside the interval, or NaN, counts as a miss. The `t_max` of the ray in the call is that
-    /// of the closest hit so far. Ids come in no particular order, roughly from near to far, each
-    /// at most once.
+    /// that is outside the interval or not finite counts as a miss. The `t_max` of the ray in the
+    /// call is that of the closest hit so far. Ids come in no particular order, roughly from near to
+    /// far, each at most once.
     ///
-    /// A ray whose origin or direction is not finite, or whose direction is zero, hits nothing.
+    /// A ray whose origin or direction is not finite, whose direction is zero, or whose interval is
+    /// empty or has a NaN, hits nothing, and `test` is not called.
     #[inline]
     pub fn closest<T>(
         &self,
@@ -189,7 +217,9 @@ impl Bvh {
         let slab_ray = SlabRay::new(ray)?;
         let mut visitor = ClosestVisitor {
             slab_ray: &slab_ray,
-            ray,
+            // A `t` that is not finite is a miss, also where the interval is infinite.
+            first: ray.t_min.max(f32::MIN),
+            last: ray.t_max.min(f32::MAX),
             shrinking: *ray,
             best: None,
             test: &mut test,
@@ -201,7 +231,12 @@ impl Bvh {
     /// Returns whether `test` returns true for any primitive whose box the ray meets.
     ///
     /// `test` is called with the id of a primitive and the ray, in no particular order, each id at
-    /// most once, until it returns true.
+    /// most once, until it returns true. It must test the interval `ray.t_min..=ray.t_max` itself:
+    /// boxes are conservative, so it is also called for some primitives that lie outside the
+    /// interval or beside the ray, and its answer is final.
+    ///
+    /// A ray whose origin or direction is not finite, whose direction is zero, or whose interval is
+    /// empty or has a NaN, hits nothing: the result is false, and `test` is not called.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
         let Some(slab_ray) = SlabRay::new(ray) else { return false };
@@ -224,7 +259,9 @@ impl Bvh {
 
 struct ClosestVisitor<'a, T, F> {
     slab_ray: &'a SlabRay,
-    ray: &'a Ray,
+    /// The interval of the ray, clamped to finite numbers.
+    first: f32,
+    last: f32,
     shrinking: Ray,
     best: Option<Found<T>>,
     test: &'a mut F,
@@ -242,10 +279,10 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::ClosestVisit
             return limit;
         };
         let wins = match &self.best {
-            None => t >= self.ray.t_min && t <= self.ray.t_max,
+            None => t >= self.first && t <= self.last,
             // A tie goes to the lower id, so that the answer does not depend on the order of
             // traversal.
-            Some(best) => t >= self.ray.t_min && (t < best.t || (t == best.t && id < best.id)),
+            Some(best) => t >= self.first && (t < best.t || (t == best.t && id < best.id)),
         };
         if !wins {
             return limit;
@@ -267,7 +304,7 @@ impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> WithSimd for TraverseClosest<'_
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let ray = self.visitor.slab_ray;
-        let limit = ray.limit(self.visitor.ray.t_max);
+        let limit = ray.limit(self.visitor.shrinking.t_max);
         traverse::closest(simd, self.tree, ray, limit, self.visitor);
     }
 }

@@ -1,7 +1,7 @@
 //! Subtrees: a binary tree, collapsed into wide nodes at the least cost.
 //!
 //! A wide node takes up to [`WIDTH`] subtrees out of a binary one. The leaves are the same
-//! whichever are taken, so the cost to minimise is how often rays visit the nodes above them: the
+//! whichever are taken, so the cost to minimize is how often rays visit the nodes above them: the
 //! sum of the surface areas of these nodes. Dynamic programming finds the minimum. Let
 //! `forest(n, k)` be the least sum if subtree `n` becomes at most `k` children of the node above
 //! it. `forest(n, 1)` is the area of `n`, if it is no leaf, plus the least

@@ -1,6 +1,6 @@
 //! Bounding volume hierarchies: find the first primitive that a ray hits, or whether it hits any.
 //!
-//! | write | for |
+//! | type | primitives |
 //! | --- | --- |
 //! | [`SphereTree`] | spheres; points with the vanilla method |
 //! | [`ConeTree`] | rounded cones: hair, bonds, capsules; lines with the vanilla method |
@@ -39,10 +39,12 @@
 //!
 //! # Conventions
 //!
-//! - A primitive is known by its index in the slice that the tree was built from, its `id`.
+//! - The id of a primitive is its index in the slice given to `build`.
 //! - `closest` returns the hit with the smallest `t` in the interval of the ray. A tie goes to the
 //!   lowest id, so the answer is that of a loop over all primitives, to the bit. `any` returns
-//!   whether there is a hit.
+//!   whether there is a hit. A `t` of `-0.0` equals one of `0.0`, and ties with it.
+//! - Packed trees are exact for coordinates, sizes and origins of rays of up to `1e18`: see
+//!   [`Packed`].
 //! - The test of boxes is conservative: rounding never loses a hit, not even along an edge of a box
 //!   or in the plane of a flat one.
 //! - Trees are built by the surface area heuristic, on all threads of the current rayon pool. The

@@ -91,3 +91,9 @@ pub(crate) struct Tree {
     /// How many of its elements are in the tree; the others are empty.
     pub(crate) kept_count: usize,
 }
+
+impl Tree {
+    pub(crate) fn left_out(&self) -> usize {
+        self.source_count - self.kept_count
+    }
+}

@@ -1,7 +1,7 @@
 //! The traversal stack: children that are still to be visited.
 #![expect(
     unsafe_code,
-    reason = "initialising the whole stack for each ray would cost more than using it"
+    reason = "initializing the whole stack for each ray would cost more than using it"
 )]
 
 use crate::build_range::MAX_DEPTH;
@@ -16,7 +16,7 @@ const CAPACITY: usize = (MAX_DEPTH + 2) * WIDTH;
 /// The memory of a [`Stack`].
 pub(crate) type Storage = [MaybeUninit<StackEntry>; CAPACITY];
 
-/// Uninitialised memory for a stack.
+/// Uninitialized memory for a stack.
 #[inline(always)]
 pub(crate) fn storage() -> Storage {
     [const { MaybeUninit::uninit() }; CAPACITY]
@@ -24,7 +24,7 @@ pub(crate) fn storage() -> Storage {
 
 /// A stack of children with the distances at which the ray enters them.
 ///
-/// Invariant: the entries below `len` are initialised, and `len <= CAPACITY`.
+/// Invariant: the entries below `len` are initialized, and `len <= CAPACITY`.
 ///
 /// The memory is borrowed, so that the compiler keeps the length in a register.
 pub(crate) struct Stack<'a> {
@@ -50,7 +50,7 @@ impl<'a> Stack<'a> {
             return None;
         }
         self.len -= 1;
-        // SAFETY: by the invariant, entries below the old `len` are initialised and in the array.
+        // SAFETY: by the invariant, entries below the old `len` are initialized and in the array.
         Some(unsafe { self.entries.get_unchecked(self.len).assume_init() })
     }
 
@@ -58,7 +58,7 @@ impl<'a> Stack<'a> {
     ///
     /// # Safety
     ///
-    /// `write` must initialise the first `count` entries.
+    /// `write` must initialize the first `count` entries.
     #[inline(always)]
     pub(crate) unsafe fn extend(
         &mut self,

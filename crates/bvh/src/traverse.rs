@@ -1,5 +1,5 @@
 //! Traversal of a tree along a ray, generic over the visitor of its leaves.
-#![expect(unsafe_code, reason = "the stack relies on `Simd::order` to initialise its entries")]
+#![expect(unsafe_code, reason = "the stack relies on `Simd::order` to initialize its entries")]
 
 use crate::node::{Child, Node, Tree, WIDTH};
 use crate::simd::{Simd, StackEntry};
@@ -88,7 +88,7 @@ pub(crate) fn closest<S: Simd>(
                     continue;
                 }
                 let count = mask.count_ones() as usize;
-                // SAFETY: `order` initialises an entry for each bit of the mask.
+                // SAFETY: `order` initializes an entry for each bit of the mask.
                 unsafe {
                     stack.extend(count, |entries| simd.order(near, mask, &node.children, entries));
                 }

@@ -120,6 +120,30 @@ fn an_interval_that_is_empty_or_nan_meets_nothing() {
 }
 
 #[test]
+fn an_infinite_t_is_a_miss() {
+    let bvh = Bvh::build(&[aabb([-1.; 3], [1.; 3]), aabb([0.; 3], [2.; 3])]);
+    let ray = Ray { t_min: -INF, ..Ray::new(Vec3::ZERO, Vec3::X) };
+    for infinite in [INF, -INF, NAN] {
+        assert_eq!(bvh.closest(&ray, |_, _| Some((infinite, ()))), None, "{infinite}");
+        // Nor does it replace a hit.
+        let found = bvh.closest(&ray, |id, _| Some(([infinite, 0.5][id as usize], ())));
+        assert_eq!(found.map(|found| (found.id, found.t)), Some((1, 0.5)), "{infinite}");
+    }
+    let found = bvh.closest(&ray, |_, _| Some((MAX, ())));
+    assert_eq!(found.map(|found| found.t), Some(MAX), "the largest number is finite");
+}
+
+#[test]
+fn both_zeros_are_equal_and_the_tie_goes_to_the_lowest_id() {
+    let bvh = Bvh::build(&vec![aabb([-1.; 3], [1.; 3]); 9]);
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    for zeros in [[0.0, -0.0], [-0.0, 0.0]] {
+        let found = bvh.closest(&ray, |id, _| Some((zeros[id as usize % 2], ())));
+        assert_eq!(found.map(|found| found.id), Some(0), "{zeros:?}");
+    }
+}
+
+#[test]
 fn bounds_are_those_of_the_boxes_that_are_not_empty() {
     let boxes = [
         aabb([0.; 3], [1.; 3]),
@@ -127,7 +151,15 @@ fn bounds_are_those_of_the_boxes_that_are_not_empty() {
         aabb([2.; 3], [1.; 3]),
         aabb([-1., 0., 5.], [0., 0., 5.]),
     ];
-    assert_eq!(Bvh::build(&boxes).bounds(), aabb([-1., 0., 0.], [1., 1., 5.]));
+    let bvh = Bvh::build(&boxes);
+    assert_eq!(bvh.bounds(), aabb([-1., 0., 0.], [1., 1., 5.]));
+    assert_eq!(bvh.left_out(), 2);
+}
+
+#[test]
+fn bounds_are_clamped_to_the_largest_finite_numbers() {
+    let bvh = Bvh::build(&[aabb([-INF, 0., 0.], [INF, 1., 1.])]);
+    assert_eq!(bvh.bounds(), aabb([-MAX, 0., 0.], [MAX, 1., 1.]));
 }
 
 #[test]

@@ -248,7 +248,7 @@ fn rays_that_leave_a_surface_agree_with_a_loop() {
 
 #[test]
 fn huge_and_tiny_scenes_agree_with_a_loop() {
-    for exponent in [-60, -40, -20, 20, 40] {
+    for exponent in [-60, -40, -20, 20, 40, 53, 59] {
         let scale = 2f32.powi(exponent);
         let mut random = Random(5);
         let mut balls = spheres(&mut random, 200, 0.2);
@@ -275,7 +275,8 @@ fn huge_and_tiny_scenes_agree_with_a_loop() {
             };
         }
         for ray in &mut rays {
-            ray.origin *= scale;
+            // Up to the documented limit of 1e18, which is about 2^59.8.
+            ray.origin = (scale * ray.origin).clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
         }
         check!(SphereTree, balls, rays.clone(), 3, point);
         check!(ConeTree, tubes, rays.clone(), 3, line);
@@ -304,6 +305,9 @@ fn primitives_with_nan_or_infinity_are_left_out() {
     sheet[10].p10.z = f32::NEG_INFINITY;
     sheet[11] = BilinearPatch { p00: Vec3::X, p10: Vec3::X, p01: Vec3::X, p11: Vec3::X };
     let rays = rays(&mut random, 1000);
+    // A patch without area stays in the tree, though no ray hits it.
+    let left_out = (SphereTree::build(&balls).left_out(), PatchTree::build(&sheet).left_out());
+    assert_eq!(left_out, (5, 2));
     check!(SphereTree, balls, rays.clone(), 100, point);
     check!(PatchTree, sheet, rays, 100, quad);
 }
@@ -371,6 +375,28 @@ fn closest_of_and_any_of_agree_with_a_loop_over_every_kind_of_primitive() {
 fn a_query_with_another_number_of_primitives_panics() {
     let balls = [Sphere { center: Vec3::ZERO, radius: 1.0 }; 3];
     let _ = Bvh::build_of(&balls).any_of(&balls[..2], &Ray::new(Vec3::ZERO, Vec3::X));
+}
+
+#[test]
+fn a_tree_of_boxes_is_refitted_to_primitives_that_moved() {
+    let mut random = Random(18);
+    let mut tubes = cones(&mut random, 300, 0.5);
+    (tubes[7].p0.x, tubes[7].p1.x) = (f32::NAN, f32::NAN);
+    let mut tree = Bvh::build_of(&tubes);
+    assert_eq!(tree.left_out(), 1);
+    for tube in &mut tubes {
+        (tube.p0, tube.p1) = (tube.p1 + Vec3::X, tube.p0 + Vec3::X);
+    }
+    assert_eq!(tree.refit_of(&tubes), Ok(()));
+    assert_eq!(tree.bounds(), Bvh::build_of(&tubes).bounds());
+    for ray in rays(&mut random, 1000) {
+        let expected = loop_over(tubes.len(), |id| tubes[id].closest(&ray));
+        assert_eq!((tree.closest_of(&tubes, &ray), tree.any_of(&tubes, &ray)), expected, "{ray:?}");
+    }
+    let error = RefitError::Count { built: 300, given: 299 };
+    assert_eq!(tree.refit_of(&tubes[1..]), Err(error));
+    tubes[7] = tubes[8];
+    assert_eq!(tree.refit_of(&tubes), Err(RefitError::NoLongerEmpty { index: 7 }));
 }
 
 #[test]
@@ -468,10 +494,32 @@ fn statistics_and_visits_add_up() {
     let balls = spheres(&mut random, 10_000, 0.02);
     let tree = SphereTree::build(&balls);
     let statistics = tree.statistics();
-    assert_eq!(statistics.primitives, balls.len());
+    assert_eq!((statistics.primitives, tree.left_out()), (balls.len(), 0));
     assert_eq!(statistics.children, statistics.nodes - 1 + statistics.leaves);
     assert!(statistics.bytes < 56 * balls.len(), "{statistics:?}");
     let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Method::Enhanced);
     assert!(through_the_middle.nodes > 0 && through_the_middle.primitives > 0);
     assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Method::Enhanced).primitives, 0);
+}
+
+#[test]
+fn the_expected_cost_of_a_tree_does_not_depend_on_its_scale() {
+    let mut random = Random(19);
+    let faces = triangles(&mut random, 1000, 0.2);
+    let sah = |exponent: i32| {
+        let scale = 2f32.powi(exponent);
+        let scaled = |t: &Triangle| {
+            let [p0, p1, p2] = [t.p0, t.p1, t.p2].map(|p| scale * p);
+            Triangle { p0, p1, p2 }
+        };
+        let tree = TriangleTree::build(&faces.iter().map(scaled).collect::<Vec<_>>());
+        tree.statistics().sah
+    };
+    let usual = sah(0);
+    assert!(usual > 1.0 && usual < 100.0, "{usual}");
+    // The builder compares areas in `f32`, where these overflow or underflow, so the trees differ.
+    for exponent in [-100, -70, 70, 100, 126] {
+        let sah = sah(exponent);
+        assert!(sah > 1.0 && sah < 1000.0, "2^{exponent}: {sah}");
+    }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// `x, y`.
 ///
 /// They vary smoothly with `n` except where `n.z` changes sign. The computation has no branch and
-/// no normalisation; its error is a few units in the last place.
+/// no normalization; its error is a few units in the last place.
 ///
 /// Source: T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 pub(crate) fn across(n: DVec3) -> (DVec3, DVec3) {

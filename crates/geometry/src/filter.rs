@@ -50,7 +50,7 @@ pub(crate) trait Solve {
 /// A difference that keeps less than this share of its terms is uncertain.
 ///
 /// It has lost 16 of the 53 bits of an `f64`. With the remaining 37 it rounds to the same `f32` as
-/// the exact value, except for one case in 2¹², in which it rounds to the neighbour, half a unit
+/// the exact value, except for one case in 2¹², in which it rounds to the neighbor, half a unit
 /// away.
 pub(crate) const CANCELLATION: f64 = 1.0 / 65_536.0;
 

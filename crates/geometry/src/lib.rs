@@ -41,9 +41,13 @@
 //! - the ray has a NaN in any field, an infinity in its origin or direction, or a zero direction;
 //! - its interval is empty (`t_min > t_max`);
 //! - the shape has a NaN or an infinity, a negative radius, or no extent (a sphere of radius zero,
-//!   a triangle without area); only the radius of a vanilla point or line may be infinite, and then
-//!   every ray in front of it hits;
+//!   a triangle without area);
 //! - the `t` of the crossing is no finite `f32`.
+//!
+//! The vanilla shapes differ in two cases. The radius of a point or a line may be infinite, and
+//! then every ray in front of it hits. A line misses where its radius, interpolated at the closest
+//! approach, is not positive: if one of its radii is negative, the part with a positive radius can
+//! be hit.
 //!
 //! ```
 //! use rotund_geometry::glam::Vec3;
@@ -63,8 +67,8 @@
 //! assert!(!ball.any(&Ray { t_max: f32::NAN, ..ray }));
 //! ```
 //!
-//! The box of an invalid shape may be anything; a tree that is built over it must cope with that,
-//! as `rotund-bvh` does.
+//! The bounds of an invalid shape are unspecified: they may be empty, infinite or NaN. The trees of
+//! `rotund-bvh` accept them.
 //!
 //! # Accuracy
 //!
@@ -86,15 +90,17 @@
 //!
 //! `tests/` checks all of this against arithmetic of 106 bits; `cargo xtask accuracy` compares it
 //! with the published methods. The bounds hold for an origin up to 2²⁶ sizes away, and for a cone
-//! up to 10⁶ radii long.
+//! up to 10⁶ radii long. From farther away, the position on a round shape may lie outside of its
+//! box, by rounding. They do not hold near `f32::MAX`: a coordinate beyond it is infinite.
 //!
 //! # Features
 //!
 //! - `std` (default) takes roots and angles from the standard library. Without it the crate is
 //!   `no_std`, takes them from `libm`, and needs no allocator.
 //! - `serde` implements `Serialize` and `Deserialize` for rays, hits, boxes, methods and shapes. A
-//!   `t_max` of infinity is written as none, which JSON calls `null`. Other infinities, as in
-//!   [`Aabb::EMPTY`], need a format that has them, which JSON is not.
+//!   [`Ray`] may be written without `t_min` and `t_max`, which are then 0 and infinity. A `t_max` of
+//!   infinity is written as none, which JSON calls `null`. Other infinities, as in [`Aabb::EMPTY`],
+//!   need a format that has them, which JSON is not.
 //!
 //! `glam`, whose vectors are part of the interface, is exported as [`rotund_geometry::glam`](glam).
 //!
@@ -115,7 +121,7 @@
 //!     .iter()
 //!     .enumerate()
 //!     .filter_map(|(id, shape)| Some((id, shape.closest(&ray)?)))
-//!     .min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))
+//!     .min_by(|(_, a), (_, b)| a.t.partial_cmp(&b.t).expect("no t is NaN"))
 //!     .expect("the ray runs along the axis of both");
 //! assert_eq!((id, hit.t, hit.position), (1, 4.0, Vec3::new(0.0, 0.0, -1.0)));
 //!

@@ -17,7 +17,7 @@ use crate::{Aabb, BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle};
 /// ray, [`position`](Self::position) and [`normal`](Self::normal) for the surface over its
 /// parameters. The others have defaults. A tree and [`Hit::spawn`] rely on the following.
 ///
-/// - **`t`** counts in units of `ray.direction`, whose length is arbitrary: do not normalise it, or
+/// - **`t`** counts in units of `ray.direction`, whose length is arbitrary: do not normalize it, or
 ///   divide `t` by its length afterwards. The interval `ray.t_min..=ray.t_max` is closed. A
 ///   crossing before `t_min` must not hide a later one. [`Ray::accept`] rounds a root and tests the
 ///   interval.

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::float::{UNIT_ROUNDOFF, leave_surface};
+use crate::float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 
 /// The points `origin + t * direction` with `t` in `t_min..=t_max`.
 ///
@@ -17,8 +17,13 @@ use crate::float::{UNIT_ROUNDOFF, leave_surface};
 /// let segment = Ray { t_max: 2.5, ..ray };
 /// assert_eq!(segment.at(segment.t_max), Vec3::new(2.5, 0.0, 0.0));
 /// ```
+///
+/// With the feature `serde`, `t_min` and `t_max` may be omitted: they are then 0 and infinity, as in
+/// [`Ray::new`]. A field with another name is an error. A `t_max` of infinity is written as none,
+/// in JSON `null`; a `t_max` that is NaN or minus infinity cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Ray {
     /// The point at `t = 0`.
     pub origin: Vec3,
@@ -57,6 +62,10 @@ impl Ray {
     /// All primitives decide by this test whether a root counts. It tests the rounded value, which
     /// is the one that callers see: a hit is always within its interval, and is found again if it
     /// becomes an end of the interval. A NaN, in `t` or at an end of the interval, gives `None`.
+    ///
+    /// The result may be `-0.0`. To find the closest of several hits, compare by `<` or
+    /// `partial_cmp`, for which both zeros are equal, as the trees of `rotund-bvh` do, and not by
+    /// `total_cmp`.
     #[must_use]
     #[inline]
     pub fn accept(&self, t: f64) -> Option<f32> {
@@ -114,12 +123,23 @@ impl Hit {
         Ray::new(leave_surface(self.position, self.error, self.normal, direction), direction)
     }
 
-    /// Returns the ray from this point towards `point`, at `t = 1`, for visibility tests: `any` is
-    /// true if a primitive lies in between.
+    /// Returns the ray from this point towards `point`, for visibility tests: `any` is true if a
+    /// primitive lies in between. `t = 1` is `point`.
     ///
-    /// It starts as [`Hit::spawn`] does. It ends at `t_max = 1 - 2⁻¹⁹`, because the rounding of `t`
-    /// could otherwise report a surface on which `point` lies. This suffices unless the ray grazes
-    /// that surface. Between two hits, step off both surfaces:
+    /// It starts as [`Hit::spawn`] does. It ends before `point`, so that a surface on which `point`
+    /// lies does not count: at `t_max = 1 - max(32 u, 16 e / l)`, where `u` is [`UNIT_ROUNDOFF`],
+    /// `e` the [`rounding_error`] of `point`, and `l` the longest component of the direction. This
+    /// is `1 - 32 u = 1 - 2⁻¹⁹` unless the coordinates of `point` are larger than the distance.
+    ///
+    /// It suffices if
+    ///
+    /// - `point` lies within `e` of the surface, as the position of a hit and a point that was
+    ///   computed in `f64` and rounded once do;
+    /// - the cosine between the ray and the normal of the surface is at least 0.1 in absolute value;
+    /// - the radius of curvature of the surface is large compared with `e / 0.1²`.
+    ///
+    /// A distance below `16 e` cannot be resolved: the interval is empty, and nothing lies between.
+    /// For grazing rays between two hits, step off both surfaces:
     ///
     /// ```
     /// use rotund_geometry::{Ray, Sphere, glam::Vec3};
@@ -137,7 +157,15 @@ impl Hit {
     #[inline]
     pub fn spawn_to(&self, point: Vec3) -> Ray {
         let origin = leave_surface(self.position, self.error, self.normal, point - self.position);
-        Ray { t_max: 1.0 - 32.0 * UNIT_ROUNDOFF, ..Ray::new(origin, point - origin) }
+        let direction = point - origin;
+        // The surface lies within `e` of the point, and the point within `u` times the length of
+        // the end of the ray, whose direction is rounded. Along the ray the cosine divides both, and
+        // `t` is rounded by another `u`. For a cosine of 0.1 this is `10 (e / l + u) + u`, which is
+        // less than the larger of `32 u` and `16 e / l`; the rest is for the curvature. The longest
+        // component bounds the length from below and neither overflows nor underflows.
+        let share = rounding_error(point) / direction.abs().max_element();
+        let margin = (16.0 * share).max(32.0 * UNIT_ROUNDOFF);
+        Ray { t_max: 1.0 - margin, ..Ray::new(origin, direction) }
     }
 }
 
@@ -152,9 +180,9 @@ mod unbounded {
 
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
     pub(super) fn serialize<S: Serializer>(t_max: &f32, serializer: S) -> Result<S::Ok, S::Error> {
-        if t_max.is_nan() {
+        if t_max.is_nan() || *t_max == f32::NEG_INFINITY {
             // JSON writes it as `null`, which would come back as infinity.
-            return Err(ser::Error::custom("t_max is NaN"));
+            return Err(ser::Error::custom(format_args!("t_max is {t_max}")));
         }
         (*t_max != f32::INFINITY).then_some(*t_max).serialize(serializer)
     }

@@ -115,7 +115,7 @@ impl Images {
 
     /// Returns twice the signed areas of the triangles (ray, vertex, vertex of `to`).
     ///
-    /// If the two vertices change places, the area is negated to the bit, so that two neighbours
+    /// If the two vertices change places, the area is negated to the bit, so that two neighbors
     /// with a common edge agree about its side.
     #[inline(always)]
     pub(crate) fn areas(&self, to: &Self) -> F64x2 {

@@ -263,7 +263,8 @@ impl Sphere {
         Some(self.hit(ray, self.root_at(ray, exit)?))
     }
 
-    /// Returns a box that contains the sphere and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the sphere and every position that [`Self::closest`] reports for
+    /// a ray that starts up to 2²⁶ radii away.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let r = Vec3::splat(self.radius);

@@ -1,8 +1,8 @@
 //! Regression tests for defects that were measured in other intersectors of these shapes.
 //!
 //! Most come from one library that assumed unit directions, kept one root where two exist, and
-//! rebuilt cone points from a parametrisation that did not identify them. Each test states the
-//! correct behaviour; its comment states the defect if the name does not. The expected values were
+//! rebuilt cone points from a parametrization that did not identify them. Each test states the
+//! correct behavior; its comment states the defect if the name does not. The expected values were
 //! computed in quadruple precision.
 
 use rotund_geometry::glam::Vec3;
@@ -251,7 +251,7 @@ fn hits_near_a_fold_are_exact() {
 /// Of the rays aimed at a shared edge, 8 to 16 % leaked.
 #[test]
 fn a_ray_at_the_edge_that_two_patches_share_hits_one_of_them() {
-    // The neighbour across x = 1, whose corners come in another order.
+    // The neighbor across x = 1, whose corners come in another order.
     let across = BilinearPatch {
         p00: SADDLE.p11,
         p10: Vec3::new(2.5, 0.75, 0.25),

@@ -1,10 +1,15 @@
 //! What a caller relies on besides the intersections: the trait, spawned rays, defaults, methods.
 
+#[path = "../src/test_random.rs"]
+mod test_random;
+
 use rotund_geometry::glam::{Vec2, Vec3};
 use rotund_geometry::vanilla::{Line, Point, Quad};
 use rotund_geometry::{
-    Aabb, BilinearPatch, Hit, Method, Primitive, Ray, RoundedCone, Sphere, Triangle, leave_surface,
+    Aabb, BilinearPatch, Hit, Method, Primitive, Ray, RoundedCone, Sphere, Triangle, UNIT_ROUNDOFF,
+    leave_surface,
 };
+use test_random::Random;
 
 const RAY: Ray = Ray::new(Vec3::new(0.3, 0.2, 5.0), Vec3::NEG_Z);
 
@@ -101,6 +106,50 @@ fn a_ray_to_a_point_sees_what_is_between_and_not_the_ends() {
     }
 }
 
+/// Returns shapes of size 1 about `center`, of every kind that has a surface of its own.
+fn shapes_about(center: Vec3, random: &mut Random) -> [Box<dyn Primitive>; 4] {
+    let mut corner = || center + random.direction().as_vec3();
+    let (p0, p1, p2, p3) = (corner(), corner(), corner(), corner());
+    [
+        Box::new(Sphere { center, radius: 1.0 }),
+        Box::new(RoundedCone { p0, r0: 0.5, p1, r1: 0.25 }),
+        Box::new(BilinearPatch { p00: p0, p10: p1, p01: p2, p11: p3 }),
+        Box::new(Triangle { p0, p1, p2 }),
+    ]
+}
+
+#[test]
+fn a_ray_to_a_point_of_a_surface_ends_before_it_at_every_distance_from_the_origin() {
+    for offset in [0.0, 100.0, 1e3, 1e4] {
+        let (mut seen, mut random) = ([0; 4], Random(offset as u64));
+        while seen.iter().any(|&count| count < 2000) {
+            let center = (offset * random.direction()).as_vec3();
+            let distance = random.range(4.0, 16.0);
+            let eye = (center.as_dvec3() + distance * random.direction()).as_vec3();
+            let lens = Sphere { center: eye, radius: 0.5 };
+            for (kind, shape) in shapes_about(center, &mut random).iter().enumerate() {
+                let towards = center - eye + 0.5 * random.in_cube();
+                let Some(start) = lens.closest(&Ray::new(eye, towards)) else { continue };
+                let Some(target) = shape.closest(&start.spawn(towards)) else { continue };
+                let segment = start.spawn_to(target.position);
+                if segment.direction.normalize().dot(target.normal).abs() < 0.1 {
+                    continue;
+                }
+                seen[kind] += 1;
+                assert!(!shape.any(&segment), "{offset}: {kind} {target:?} {segment:?}");
+                let between = Sphere { center: eye.lerp(target.position, 0.75), radius: 0.25 };
+                assert!(between.any(&segment), "{offset}: {segment:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_to_a_near_point_of_usual_coordinates_ends_32_roundings_before_it() {
+    let hit = Sphere::default().closest(&RAY).expect("near the middle");
+    assert_eq!(hit.spawn_to(Vec3::new(0.5, 0.5, 9.0)).t_max, 1.0 - 32.0 * UNIT_ROUNDOFF);
+}
+
 #[test]
 fn a_rounded_root_counts_if_it_lies_in_the_closed_interval() {
     let ray = Ray { t_min: 1.0, t_max: 2.0, ..RAY };
@@ -147,6 +196,25 @@ fn a_method_is_read_back_from_its_name() {
     assert_eq!(format!("[{:>9}]", Method::Vanilla), "[  vanilla]");
 }
 
+#[test]
+fn an_unknown_method_is_named_in_the_error() {
+    let expected = "expected \"vanilla\" or \"enhanced\"";
+    let long = "a".repeat(40);
+    // The limit of 32 bytes lies within the last character.
+    let across_the_limit = format!("{}é", "a".repeat(31));
+    for (name, shown) in [
+        ("embree", "\"embree\""),
+        ("", "\"\""),
+        ("a\nb", "\"a\\nb\""),
+        (&long[..32], &format!("{:?}", &long[..32])),
+        (&long, &format!("{:?}...", &long[..32])),
+        (&across_the_limit, &format!("{:?}...", &long[..31])),
+    ] {
+        let error = name.parse::<Method>().expect_err("no such method");
+        assert_eq!(error.to_string(), format!("unknown method {shown}: {expected}"));
+    }
+}
+
 /// Asserts that a shape with a NaN or an infinity in any one of its numbers is a miss.
 macro_rules! assert_misses {
     ($shape:ident { $($field:ident),+ }, $set:ident) => {
@@ -183,6 +251,16 @@ fn a_shape_with_a_number_that_is_not_finite_misses() {
         assert!(!Point { radius, ..Point::default() }.any(&RAY), "{radius}");
         assert!(!Line { r0: radius, ..Line::default() }.any(&RAY), "{radius}");
     }
+}
+
+#[test]
+fn a_negative_radius_misses_except_on_the_part_of_a_ribbon_where_the_radius_is_positive() {
+    assert_eq!(Sphere { radius: -1.0, ..Sphere::default() }.closest(&RAY), None);
+    assert_eq!(Point { radius: -1.0, ..Point::default() }.closest(&RAY), None);
+    assert_eq!(RoundedCone { r1: -1.0, ..RoundedCone::default() }.closest(&RAY), None);
+    let line = Line { r1: -1.0, ..Line::default() };
+    assert!(line.any(&RAY), "the radius is 0.6 where the ray passes");
+    assert!(!line.any(&Ray { origin: RAY.origin.with_y(0.6), ..RAY }), "here it is -0.2");
 }
 
 #[test]

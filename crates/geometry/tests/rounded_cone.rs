@@ -12,7 +12,7 @@ const FAT: RoundedCone =
 /// Returns the signed distance of `x`: the minimum of `|x - c(s)| - r(s)` over the balls
 /// `0 <= s <= 1`.
 ///
-/// The minimiser is computed in `f64`. Near a minimum the value depends on the square of the error
+/// The minimizer is computed in `f64`. Near a minimum the value depends on the square of the error
 /// of `s`, so it has the digits of [`Wide`].
 fn distance(cone: &RoundedCone, x: Wide3) -> Wide {
     let (p0, e) = (wide(cone.p0), wide(cone.p1) - wide(cone.p0));

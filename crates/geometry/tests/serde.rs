@@ -36,8 +36,17 @@ fn a_ray_without_end_comes_back_from_json() {
     assert_comes_back(&Ray { t_min: 0.5, t_max: 0.7, ..ray });
     let short = serde_json::from_str(r#"{"origin": [0, 0, 0], "direction": [1, 0, 0]}"#);
     assert_eq!(short.ok(), Some(ray), "an interval that is not written is that of Ray::new");
-    let nan = Ray { t_max: f32::NAN, ..ray };
-    assert!(serde_json::to_string(&nan).is_err(), "it would come back as infinity");
+    for t_max in [f32::NAN, f32::NEG_INFINITY] {
+        let wrong = Ray { t_max, ..ray };
+        assert!(serde_json::to_string(&wrong).is_err(), "{t_max} would come back as infinity");
+    }
+}
+
+#[test]
+fn a_field_of_a_ray_that_is_misspelled_is_an_error() {
+    let text = r#"{"origin": [0, 0, 0], "direction": [1, 0, 0], "tmin": 1}"#;
+    let error = serde_json::from_str::<Ray>(text).expect_err("t_min is misspelled").to_string();
+    assert!(error.contains("`tmin`") && error.contains("`t_min`"), "{error}");
 }
 
 #[test]

@@ -50,7 +50,7 @@ pub use union::Start;
 /// let ray = Ray::new(Vec3::new(7.0, 0.0, 5.0), Vec3::NEG_Z);
 /// let found = tree.closest(&ray, Method::Enhanced).expect("the ray is aimed at a sphere");
 /// assert_eq!((found.id, found.hit.t), (7, 4.75));
-/// // The vanilla method replaces a sphere by a disc through its centre.
+/// // The vanilla method replaces a sphere by a disc through its center.
 /// assert_eq!(tree.closest(&ray, Method::Vanilla).map(|found| found.hit.t), Some(5.0));
 /// assert!(!tree.any(&Ray { t_max: 4.0, ..ray }, Method::Enhanced));
 /// ```
@@ -68,9 +68,15 @@ pub type TriangleTree = Packed<Triangle>;
 /// A tree over primitives of one kind, written as [`SphereTree`], [`ConeTree`], [`PatchTree`] or
 /// [`TriangleTree`].
 ///
-/// Each primitive is known by its index in the slice that the tree was built from. The tree has its
-/// own copy of the primitives, so the slice need not be kept. The [`Method`] is chosen for each
+/// The id of a primitive is its index in the slice given to [`build`](Self::build). The tree has
+/// its own copy of the primitives, so the slice need not be kept. The [`Method`] is chosen for each
 /// query, and the same tree serves both.
+///
+/// # Limits
+///
+/// The answers are exact for coordinates, sizes and origins of rays of up to `1e18` in absolute
+/// value. The wide test of a leaf squares distances in `f32`, which overflow above, and may then
+/// lose hits. [`Bvh`](crate::Bvh) has no wide test, and so not this limit.
 #[derive(Clone, Debug)]
 pub struct Packed<P: Kernel> {
     tree: Tree,
@@ -84,7 +90,7 @@ impl<P: Kernel> Packed<P> {
     /// number.
     ///
     /// Primitives that no ray can hit (with a number that is not finite, or spheres without radius)
-    /// are left out.
+    /// are left out; [`Self::left_out`] counts them.
     ///
     /// # Panics
     ///
@@ -113,6 +119,13 @@ impl<P: Kernel> Packed<P> {
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds
+    }
+
+    /// The number of primitives that were given to [`Self::build`] and are not in the tree, because
+    /// no ray can hit them.
+    #[must_use]
+    pub fn left_out(&self) -> usize {
+        self.tree.left_out()
     }
 
     /// The instruction set of traversal.

@@ -11,11 +11,12 @@ impl<P: Kernel> Packed<P> {
     /// Moves the primitives: `primitives[i]` replaces primitive `i`. The bounds of all nodes are
     /// recomputed bottom-up; the topology of the tree stays.
     ///
-    /// Answers are those of a new tree. Their cost is not: where neighbours in the tree move apart,
-    /// nodes grow and overlap, and rays visit more of them. Refit while primitives move together,
-    /// or by a few of their sizes; build a new tree when queries have slowed down by more than a
-    /// build costs. The expected cost of a ray is [`Statistics::sah`](crate::Statistics::sah):
-    /// `examples/capsules.rs` builds a new tree when it has grown by half.
+    /// Queries return the same results as a rebuilt tree, but may be slower: where neighbors in the
+    /// tree move apart, nodes grow and overlap, and rays visit more of them. Refit while primitives
+    /// move together, or by a few of their sizes; build a new tree when queries have slowed down by
+    /// more than a build costs. The expected cost of a ray is
+    /// [`Statistics::sah`](crate::Statistics::sah): `examples/capsules.rs` builds a new tree when it
+    /// has grown by half.
     ///
     /// # Errors
     ///

@@ -8,12 +8,12 @@ use crate::node::{Child, Node, WIDTH};
 use crate::simd::Portable;
 use crate::slab::SlabRay;
 use crate::traverse;
-use rotund_geometry::{Method, Ray};
+use rotund_geometry::{Aabb, Method, Ray};
 
 /// The size and the expected cost of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
-    /// Number of primitives, without those that were left out.
+    /// Number of primitives, without those that were [left out](Packed::left_out).
     pub primitives: usize,
     /// Number of inner nodes.
     pub nodes: usize,
@@ -53,7 +53,7 @@ impl<P: Kernel> Packed<P> {
             bytes: size_of_val(self.blocks.as_slice()) + size_of_val(self.tree.nodes.as_slice()),
             sah: 0.0,
         };
-        let whole = f64::from(self.tree.bounds.half_area());
+        let whole = half_area(self.tree.bounds);
         if self.tree.root == Child::NONE {
             return statistics;
         }
@@ -68,7 +68,7 @@ impl<P: Kernel> Packed<P> {
                 }
                 statistics.children += 1;
                 if whole > 0.0 {
-                    statistics.sah += f64::from(node.bounds(slot).half_area()) / whole;
+                    statistics.sah += half_area(node.bounds(slot)) / whole;
                 }
                 if !child.is_leaf() {
                     stack.push((child, depth + 1));
@@ -96,6 +96,13 @@ impl<P: Kernel> Packed<P> {
         traverse::closest(Portable, &self.tree, &slab_ray, limit, &mut counting);
         counting.visits
     }
+}
+
+/// Half of the surface area of a box that is not empty, in `f64`, where no product of two sides
+/// overflows or underflows.
+fn half_area(bounds: Aabb) -> f64 {
+    let size = bounds.max.as_dvec3() - bounds.min.as_dvec3();
+    size.x * size.y + size.y * size.z + size.z * size.x
 }
 
 struct CountingVisitor<'a, P: Kernel, M> {

@@ -2,7 +2,7 @@
 //!
 //! # The wide test
 //!
-//! With `f = c - o`, the line passes the centre at the parameter `t = f·d / d·d`, at the distance
+//! With `f = c - o`, the line passes the center at the parameter `t = f·d / d·d`, at the distance
 //! `|f - t d|`. In `f32`, with `u = 2^-24` and `D = |f|`: each coordinate of `f` is rounded by `u`,
 //! the dot product has an error of `3 u D |d|`, `1 / d·d` one of `4 u`, and `t d` is subtracted
 //! with an error below `2 u D`. An error of `t` itself moves the vector only along `d`. In total

@@ -253,7 +253,7 @@ mod tests {
     fn ordered(simd: impl Simd, near: &[f32; 8], mask: u32, children: &[Child; 8]) -> Vec<Child> {
         let mut out = [MaybeUninit::new(StackEntry(u64::MAX)); 8];
         simd.order(simd.load(near), mask, children, &mut out);
-        // SAFETY: all entries were initialised above.
+        // SAFETY: all entries were initialized above.
         out[..mask.count_ones() as usize]
             .iter()
             .map(|e| unsafe { e.assume_init() }.child())

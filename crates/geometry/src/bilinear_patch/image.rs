@@ -22,7 +22,7 @@
 //!
 //! # Watertight edges
 //!
-//! A rounded root cannot decide on which side of an edge it lies such that the neighbour, which
+//! A rounded root cannot decide on which side of an edge it lies such that the neighbor, which
 //! lists its corners in another order, decides the opposite. The outline can: its winding number
 //! about the ray has the parity of the number of roots in the square, which is 0, 1 or 2. Whether
 //! an edge counts depends on its two vertices alone. Hence: odd means exactly one root, clamped to

@@ -11,7 +11,7 @@
 //! On the ray `f + t d`, `f = o - p0`, the cone is a quadratic whose usual discriminant
 //! `k1² - k0 k2` has terms that grow with the fourth power of the distance. Let `w = f × d`,
 //! `g = d × e` and `w1 = w + g = (o - p1) × d`. In these the terms that grow with the distance
-//! cancel symbolically, before any rounding, which generalises the use of Lagrange's identity for
+//! cancel symbolically, before any rounding, which generalizes the use of Lagrange's identity for
 //! the sphere to two balls:
 //!
 //! ```text
@@ -64,8 +64,9 @@ use profile::Profile;
 /// # Degenerate inputs
 ///
 /// If one ball contains the other, or both have the same center, the shape is the larger ball. One
-/// radius may be zero: that end is a tip, and its normal is along the axis. If both radii are zero,
-/// or one is negative or NaN, or a center is not finite, every ray misses.
+/// radius may be zero: that end is a tip. The normal of a hit there is along the axis, and that of
+/// [`Self::normal`] is the limit of the normals of the body. If both radii are zero, or one is
+/// negative or NaN, or a center is not finite, every ray misses.
 ///
 /// ```
 /// use rotund_geometry::glam::Vec3;
@@ -298,7 +299,8 @@ impl RoundedCone {
         Some([root(End::Entry)?, root(End::Exit)?])
     }
 
-    /// Returns a box that contains the shape and every position that [`Self::closest`] reports.
+    /// Returns a box that contains the shape and every position that [`Self::closest`] reports for a
+    /// ray that starts up to 2²⁶ sizes away.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let (r0, r1) = (Vec3::splat(self.r0), Vec3::splat(self.r1));
@@ -316,7 +318,7 @@ impl RoundedCone {
     /// Returns the point at the fraction `u` of the profile, and at the angle `2 pi v` around the
     /// axis.
     ///
-    /// The profile is parametrised by arc length. It runs from the pole of the cap about `p0` over
+    /// The profile is parametrized by arc length. It runs from the pole of the cap about `p0` over
     /// this cap, the body and the other cap to the pole about `p1`.
     #[must_use]
     pub fn position(&self, uv: Vec2) -> Vec3 {

@@ -1,4 +1,4 @@
-//! The parametrisation of the rounded cone by its profile and the angle around its axis.
+//! The parametrization of the rounded cone by its profile and the angle around its axis.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -61,13 +61,15 @@ impl Profile {
         let from_end = (1.0 - u) * self.length;
         if along < self.arc0 {
             Place { s: 0.0, angle: along / self.r0 }
-        } else if from_end < self.length - self.arc0 - self.body {
+        } else if from_end < self.length - self.arc0 - self.body && self.r1 > 0.0 {
+            // At a tip the arc has no length, and the difference above may still round to more.
             Place { s: 1.0, angle: PI - from_end / self.r1 }
         } else {
             let s = if self.body > 0.0 {
                 ((along - self.arc0) / self.body).clamp(0.0, 1.0)
             } else {
-                0.0
+                // One ball contains the other, and this is a pole of the larger one.
+                if self.r1 > self.r0 { 1.0 } else { 0.0 }
             };
             Place { s, angle: FRAC_PI_2 + self.tilt }
         }

@@ -20,7 +20,8 @@ use crate::{Aabb, Hit, Ray, widen};
 ///
 /// `t` is computed in `f64` and rounded once. A ray parallel to the segment misses, and so does a
 /// ray that starts on the segment within rounding, as one from [`Hit::spawn`] does. Two equal ends,
-/// and a radius that is not positive at the closest approach, miss too.
+/// and a radius that is not positive at the closest approach, miss too: of a line with one negative
+/// radius, the part with a positive radius remains.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};

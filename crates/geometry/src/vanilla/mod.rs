@@ -15,10 +15,10 @@
 //! These shapes, too, are computed in `f64`, so that a comparison with the round shapes shows the
 //! difference between the shapes and not that between roundings, and the triangles of a quad are as
 //! watertight as patches. Relative to the plain `f32` forms, a point costs the same. A quad costs
-//! 0.7 times as much as Möller and Trumbore's triangles if the processor has not seen the rays
-//! before, and 1.3 times if the rays repeat. A line costs up to 1.5 times as much: its cross
-//! products, which do not cancel for distant rays, take twice the multiplications of the dot
-//! products of the plain form.
+//! 0.7 times as much as Möller and Trumbore's triangles with a cold branch predictor, for rays that
+//! are traced once, and 1.3 times with a warm one, for rays that repeat. A line costs up to 1.5
+//! times as much: its cross products, which do not cancel for distant rays, take twice the
+//! multiplications of the dot products of the plain form.
 //!
 //! Source: F. Pellacini, G. Nazzaro, E. Carra, "Yocto/GL", 2019.
 
