@@ -2,6 +2,7 @@
 
 use clap::builder::ArgPredicate;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use rotund_scene::Scene;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
