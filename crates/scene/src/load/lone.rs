@@ -1,4 +1,4 @@
-//! Default scenes for a PLY or OBJ file that is loaded by itself, and default cameras.
+//! Default scenes for the file of a shape that is loaded by itself, and default cameras.
 
 use super::{assets, context::Context, error::LoadError, file::NamedFile, mesh};
 use crate::{
