@@ -85,8 +85,9 @@ fn color(points: &[Vec3], colors: &mut Vec<Vec4>) {
     let mut color = Vec4::ONE;
     let mut waiting = 0;
     for i in 0..points.len() {
-        let [before, at, after] = [i.saturating_sub(1), i, (i + 1).min(last)].map(|i| points[i]);
-        let tangents = [after - before, after - at].map(|d| d.as_dvec3().try_normalize());
+        let [before, at, after] =
+            [i.saturating_sub(1), i, (i + 1).min(last)].map(|i| points[i].as_dvec3());
+        let tangents = [after - before, after - at].map(DVec3::try_normalize);
         let Some(tangent) = tangents.into_iter().flatten().next() else {
             // The first colour is also that of the points before it.
             if waiting == i {
