@@ -104,7 +104,6 @@ fn spoiled(good: &[u8], random: &mut Random) -> Vec<u8> {
 fn corrupted_files_are_refused_or_load_as_valid_scenes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let binary = binary();
-    let (mut refused, mut loaded) = (0, 0);
     let (tck, trk) = (tck(), trk());
     for (name, good) in [
         ("a.ply", ASCII),
@@ -123,6 +122,7 @@ fn corrupted_files_are_refused_or_load_as_valid_scenes() {
         );
         fs::write(folder.path().join("scene.json"), around).expect("writes the scene");
         let mut random = Random(41);
+        let (mut refused, mut loaded) = (0, 0);
         for _ in 0..500 {
             let bytes = spoiled(good, &mut random);
             fs::write(&path, &bytes).expect("writes the file");
@@ -133,8 +133,8 @@ fn corrupted_files_are_refused_or_load_as_valid_scenes() {
             loaded += 1;
             whole::check(&result.scene);
         }
+        assert!(refused > 100 && loaded > 10, "{name}: {refused} refused, {loaded} loaded");
     }
-    assert!(refused > 800 && loaded > 400, "{refused} refused, {loaded} loaded");
 }
 
 #[test]

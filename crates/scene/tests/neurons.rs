@@ -22,11 +22,11 @@ fn shape(text: &str) -> Shape {
     loaded.scene.shapes.swap_remove(1)
 }
 
-/// A segment as `x` and radius of both ends; all nodes of the tests are on the axis x.
-type Segment = [(f32, f32); 2];
+/// A segment as `x` and radius of both ends, and the name of its colour.
+type Segment = ([(f32, f32); 2], &'static str);
 
-/// Returns the segments, sorted by their ends, with the name of their colour.
-fn segments(shape: &Shape) -> Vec<(Segment, &'static str)> {
+/// Returns the segments, sorted by their ends.
+fn segments(shape: &Shape) -> Vec<Segment> {
     let Elements::Lines(lines) = &shape.elements else { panic!("no lines: {shape:?}") };
     let end = |vertex: u32| {
         let vertex = vertex as usize;
@@ -59,7 +59,7 @@ fn name(color: Vec4) -> &'static str {
 
 #[test]
 fn segments_join_children_and_parents_with_the_radii_of_both() {
-    let table: &[(&str, &str, &[(Segment, &str)])] = &[
+    let table: &[(&str, &str, &[Segment])] = &[
         (
             "a chain",
             "1 2 0 0 0 1 -1\n2 2 5 0 0 0.5 1\n3 2 9 0 0 0.25 2\n",
