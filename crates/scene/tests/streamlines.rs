@@ -17,15 +17,18 @@ fn shape(name: &str, bytes: &[u8]) -> Shape {
     loaded.scene.shapes.swap_remove(1)
 }
 
-const NAN: [f32; 3] = [f32::NAN; 3];
-const END: [f32; 3] = [f32::INFINITY; 3];
+/// A point in a file.
+type Point = [f32; 3];
+
+const NAN: Point = [f32::NAN; 3];
+const END: Point = [f32::INFINITY; 3];
 /// Two streamlines.
-const TWO: [[f32; 3]; 7] =
+const TWO: [Point; 7] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0], NAN, [5.0, 5.0, 5.0], [5.0, 5.0, 7.5], END];
 
 /// Returns a TCK file with these lines of the header, where `AT` is replaced by the place of the
 /// data, and points in this type.
-fn tck(header: &str, datatype: &str, points: &[[f32; 3]]) -> Vec<u8> {
+fn tck(header: &str, datatype: &str, points: &[Point]) -> Vec<u8> {
     let text = format!("mrtrix tracks\ndatatype: {datatype}\n{header}END\n");
     let at = format!("{:04}", text.len() + 2);
     let mut bytes = text.replace("AT", &at).into_bytes();
@@ -51,13 +54,13 @@ struct Trk {
     scalars: i16,
     properties: i16,
     dimensions: [i16; 3],
-    voxel_size: [f32; 3],
+    voxel_size: Point,
     /// Rows of the transform.
     vox_to_ras: [[f32; 4]; 4],
     voxel_order: &'static [u8],
     hdr_size: i32,
     /// Each with the number of points that it claims.
-    streamlines: Vec<(i32, Vec<[f32; 3]>)>,
+    streamlines: Vec<(i32, Vec<Point>)>,
 }
 
 const IDENTITY: [[f32; 4]; 4] =
@@ -67,7 +70,7 @@ const ABSENT: [[f32; 4]; 4] = [[0.0; 4]; 4];
 impl Trk {
     /// The streamlines of [`TWO`], half a voxel from the corner.
     fn new() -> Self {
-        let half = |points: &[[f32; 3]]| {
+        let half = |points: &[Point]| {
             let points = points.iter().map(|point| point.map(|x| x + 0.5)).collect::<Vec<_>>();
             (points.len() as i32, points)
         };
@@ -157,7 +160,7 @@ fn streamlines_are_lines_in_every_encoding() {
 #[test]
 fn a_vertex_has_the_colour_of_its_direction() {
     let half = 0.5_f32.sqrt();
-    let table: &[(&str, &[[f32; 3]], &[[f32; 3]])] = &[
+    let table: &[(&str, &[Point], &[Point])] = &[
         // The tangent is that of the neighbours, so a corner has a colour between its sides.
         ("a corner", &TWO[..3], &[[1.0, 0.0, 0.0], [0.4472, 0.8944, 0.0], [0.0, 1.0, 0.0]]),
         ("backwards", &[[0.0; 3], [0.0, -1.0, -1.0]], &[[0.0, half, half]; 2]),
@@ -318,7 +321,7 @@ fn what_can_be_left_out_is_counted_in_one_warning() {
 fn damaged_files_of_mrtrix_are_refused() {
     let text = |text: &str| text.as_bytes().to_vec();
     let good = tck(FILE, "Float32LE", &TWO);
-    let with = |at: usize, point: [f32; 3]| {
+    let with = |at: usize, point: Point| {
         let mut points = TWO;
         points[at] = point;
         tck(FILE, "Float32LE", &points)
