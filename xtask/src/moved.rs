@@ -24,7 +24,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON, PLY or OBJ file.
+    /// The name of a scene in `scenes/`, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
     scene: String,
     /// How far everything is moved along x, y and z, in meters: cameras and instances.
     #[arg(long, value_name = "METERS", value_delimiter = ',', default_value = "1e4")]

@@ -18,6 +18,7 @@ const EXAMPLES: &str = "\
 Examples:
   rotund render shapes4 --out shapes4.png
   rotund render cloud.ply --radius 0.01 --out cloud.png
+  rotund render neuron.swc --out neuron.png
   rotund render shapes4 --mode vanilla --out vanilla.exr --samples 256
   rotund render scene.json --kinds lines --camera front --out lines.hdr
   rotund render shapes4 --checkpoint a.film --resume --out shapes4.exr
@@ -45,7 +46,7 @@ fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The name of a built-in scene, or the path of a JSON, PLY or OBJ file.
+    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
     scene: String,
     /// The image to write: png or jpg (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,jpg,exr,hdr}", required_unless_present = "checkpoint")]

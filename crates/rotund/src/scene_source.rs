@@ -17,8 +17,9 @@ pub struct NamedScene {
 /// Security, error recovery and defaults for loading a scene.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct LoadArgs {
-    /// Radius in meters of the points and lines of a lone PLY or OBJ file. It replaces the radii in
-    /// the file, and the default of half the usual distance between neighbours.
+    /// Radius in meters of the points and lines of the file of a shape that is loaded by itself. It
+    /// replaces the radii in the file, and the default of half the usual distance between
+    /// neighbours.
     #[arg(long, value_name = "METERS", value_parser = radius)]
     radius: Option<f32>,
     /// Replace textures that cannot be read by white, with a warning, instead of failing.
@@ -46,8 +47,8 @@ impl LoadArgs {
     }
 }
 
-/// Loads a scene by the name of a built-in one or by the path of a JSON, PLY or OBJ file, and
-/// prints the loader's warnings on standard error.
+/// Loads a scene by the name of a built-in one or by the path of a file, of a scene or of a shape,
+/// and prints the loader's warnings on standard error.
 ///
 /// # Errors
 ///
@@ -76,7 +77,7 @@ pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(Stri
     if !is_path {
         bail!(
             "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a \
-             JSON, PLY or OBJ file",
+             JSON, PLY, OBJ, SWC, TCK or TRK file",
             built_in::names().collect::<Vec<_>>().join(", ")
         );
     }

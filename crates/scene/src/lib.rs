@@ -78,9 +78,9 @@
 //!
 //! # Features
 //!
-//! `load`, on by default, adds [`load`] and [`load_bytes`] with their readers of JSON, PLY, OBJ and
-//! images. Without it the crate depends on Rotund's geometry, trees and colour conversions, `glam`
-//! and `rayon` alone.
+//! `load`, on by default, adds [`load`] and [`load_bytes`] with their readers of JSON, PLY, OBJ,
+//! SWC, TCK, TRK and images. Without it the crate depends on Rotund's geometry, trees and colour
+//! conversions, `glam` and `rayon` alone.
 
 mod camera;
 mod environment;

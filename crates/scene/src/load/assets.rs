@@ -9,6 +9,8 @@ use super::{
     mesh::{self, Mesh},
     obj, ply, resolve,
     subdivide::{self, Subdivision},
+    swc,
+    tracks::{tck, trk},
 };
 use crate::{
     Shape, Texture,
@@ -225,7 +227,12 @@ fn subdivided(
     ))
 }
 
-/// Reads a PLY or OBJ file.
+/// Returns true for the extensions of files that [`read_mesh`] reads.
+pub(super) fn is_mesh(extension: &str) -> bool {
+    matches!(extension, "ply" | "obj" | "swc" | "tck" | "trk")
+}
+
+/// Reads a file of points, lines or faces, by its extension.
 pub(super) fn read_mesh(context: &Context<'_>, file: &NamedFile) -> Result<Mesh, LoadError> {
     let mesh = match file.extension().as_str() {
         "ply" => match context.files.open(file)? {
@@ -233,9 +240,12 @@ pub(super) fn read_mesh(context: &Context<'_>, file: &NamedFile) -> Result<Mesh,
             Opened::Memory(bytes) => ply::read(&*bytes, bytes.len() as u64),
         },
         "obj" => obj::read(&context.files.read(file)?),
+        "swc" => swc::read(&context.files.read(file)?),
+        "tck" => tck::read(&context.files.read(file)?),
+        "trk" => trk::read(&context.files.read(file)?),
         other => {
             let extension = other.to_owned();
-            Err(LoadProblem::Unsupported { extension, supported: "ply and obj" })
+            Err(LoadProblem::Unsupported { extension, supported: "ply, obj, swc, tck and trk" })
         }
     };
     mesh.map_err(|problem| file.fail(problem))

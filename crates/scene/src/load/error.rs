@@ -73,6 +73,18 @@ pub enum LoadProblem {
         line: usize,
         problem: String,
     },
+    SwcLine {
+        line: usize,
+        problem: String,
+    },
+    /// The header of a file of streamlines, TCK or TRK.
+    TracksHeader {
+        problem: String,
+    },
+    Streamline {
+        index: u64,
+        problem: String,
+    },
     Truncated {
         element: String,
         index: u64,
@@ -160,7 +172,11 @@ impl fmt::Display for LoadProblem {
                  allow it explicitly if you trust the file"
             ),
             Self::PlyHeader { line, problem } => write!(f, "line {line} of the header: {problem}"),
-            Self::ObjLine { line, problem } => write!(f, "line {line}: {problem}"),
+            Self::ObjLine { line, problem } | Self::SwcLine { line, problem } => {
+                write!(f, "line {line}: {problem}")
+            }
+            Self::TracksHeader { problem } => write!(f, "header: {problem}"),
+            Self::Streamline { index, problem } => write!(f, "streamline {index}: {problem}"),
             Self::Truncated { element, index, count } => {
                 write!(f, "the file ends before {element} {index} of {count}")
             }

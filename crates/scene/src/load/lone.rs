@@ -1,4 +1,4 @@
-//! Default scenes for a PLY or OBJ file that is loaded by itself, and default cameras.
+//! Default scenes for the file of a shape that is loaded by itself, and default cameras.
 
 use super::{assets, context::Context, error::LoadError, file::NamedFile, mesh};
 use crate::{
@@ -30,7 +30,7 @@ pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
         let expected = "at most 1e15, to be framed by a camera";
         return Err(context.unexpected("the largest coordinate", largest, expected));
     }
-    Ok(around(shape, bounds))
+    Ok(around(shape))
 }
 
 /// The largest coordinate of a shape whose camera is finite: squares of larger distances overflow.
@@ -106,14 +106,7 @@ fn bounds_of(shape: &Shape) -> Aabb {
 }
 
 fn thickest_of(shape: &Shape) -> f32 {
-    largest(&shape.radii, |radius| *radius).min(LARGEST)
-}
-
-/// Returns the largest result of `of` over all values, or 0.
-fn largest<T: Sync>(values: &[T], of: impl Fn(&T) -> f32 + Sync) -> f32 {
-    let greater = |a: f32, b: f32| if b > a { b } else { a };
-    let blocks = values.par_chunks(1 << 14);
-    blocks.map(|block| block.iter().map(&of).fold(0.0, greater)).reduce(|| 0.0, greater)
+    shape.radii.par_iter().copied().reduce(|| 0.0, f32::max).min(LARGEST)
 }
 
 /// Returns the radius of the ball about `center` that a camera frames, for contents within `reach`
@@ -141,12 +134,20 @@ fn camera_around(bounds: Aabb, extent: f32) -> Camera {
     }
 }
 
-fn around(shape: Shape, bounds: Aabb) -> Scene {
-    let thickest = thickest_of(&shape);
+/// Returns the position and the radius of each vertex, 0 if the shape has none.
+fn balls(shape: &Shape) -> impl ParallelIterator<Item = (Vec3, f32)> {
+    let radius = |i| shape.radii.get(i).map_or(0.0, |radius: &f32| radius.min(LARGEST));
+    shape.positions.par_iter().enumerate().map(move |(i, position)| (*position, radius(i)))
+}
+
+fn around(shape: Shape) -> Scene {
+    let grow = |bounds: Aabb, (p, radius)| bounds.union(Aabb { min: p - radius, max: p + radius });
+    let bounds = balls(&shape).fold(|| Aabb::EMPTY, grow).reduce(|| Aabb::EMPTY, Aabb::union);
     let center = bounds.center();
-    let square = largest(&shape.positions, |p| p.distance_squared(center));
-    let extent = extent(bounds.center(), square.sqrt() + thickest);
-    let floor_height = bounds.min.y - thickest;
+    let reach = balls(&shape).map(|(p, radius)| p.distance(center) + radius);
+    let reach = reach.reduce(|| 0.0, f32::max);
+    let extent = extent(center, reach);
+    let floor_height = bounds.min.y;
     let camera = camera_around(bounds, extent);
     let built = "constant parameters that fit";
     let floor = generate::Geometry::floor(40.0 * extent, 80.0).build().expect(built);

@@ -19,8 +19,8 @@ pub(crate) struct Mesh {
     pub points: Vec<u32>,
     pub lines: Vec<[u32; 2]>,
     pub faces: Faces,
-    /// Text of a warning about the file.
-    pub oddity: Option<String>,
+    /// Texts of warnings about the file.
+    pub warnings: Vec<String>,
     /// True if the vertex arrays are known to be valid.
     pub sound: bool,
 }
@@ -91,7 +91,7 @@ impl Mesh {
     ) -> Result<(Shape, Vec<String>), LoadProblem> {
         self.check_kinds()?;
         let mut warnings = self.check_vertices()?;
-        warnings.extend(self.oddity.take());
+        warnings.append(&mut self.warnings);
         let count = self.positions.len();
         let elements = if !self.faces.is_empty() {
             match std::mem::take(&mut self.faces) {

@@ -17,6 +17,8 @@ mod placements;
 mod ply;
 mod resolve;
 mod subdivide;
+mod swc;
+mod tracks;
 
 pub use error::{LoadError, LoadProblem, NamedBy};
 pub use options::LoadOptions;
@@ -42,9 +44,9 @@ pub struct Loaded {
 }
 
 /// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for
-/// shapes and control meshes; PNG, JPEG, HDR and EXR for textures. A PLY or OBJ file by itself
-/// becomes a scene with a camera, a floor and a sky around the shape; a scene without a camera gets
-/// one.
+/// shapes and control meshes, SWC, TCK and TRK for shapes of lines; PNG, JPEG, HDR and EXR for
+/// textures. The file of a shape by itself becomes a scene with a camera, a floor and a sky around
+/// it; a scene without a camera gets one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// independent of the counts in their headers.
@@ -55,7 +57,7 @@ pub struct Loaded {
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
     let context = Context::new(path, options, Files::Disk);
-    if matches!(file::extension(path).as_str(), "ply" | "obj") {
+    if assets::is_mesh(&file::extension(path)) {
         return load_lone(context);
     }
     // A folder is reported as such even if its name has an unsupported extension.
@@ -69,8 +71,8 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
 ///
 /// `bytes` is the content of that file, and `files` returns the content of each file that the scene
 /// names, by its path with `/` as the separator: if `scenes/a.json` names `shapes/b.ply`, the path
-/// is `scenes/shapes/b.ply`. The extension of `name` distinguishes scenes in JSON from shapes in
-/// PLY and OBJ.
+/// is `scenes/shapes/b.ply`. The extension of `name` distinguishes scenes in JSON from the files of
+/// shapes.
 ///
 /// ```
 /// use rotund_scene::{LoadOptions, load_bytes};
@@ -95,7 +97,7 @@ pub fn load_bytes<'a>(
     options: &LoadOptions,
 ) -> Result<Loaded, LoadError> {
     let name = name.as_ref();
-    if matches!(file::extension(name).as_str(), "ply" | "obj") {
+    if assets::is_mesh(&file::extension(name)) {
         let only = |_: &str| Some(Cow::Borrowed(bytes));
         return load_lone(Context::new(name, options, Files::Memory(&only)));
     }
@@ -120,7 +122,8 @@ fn check_extension(context: &Context<'_>) -> Result<(), LoadError> {
 
 fn unsupported(context: &Context<'_>) -> LoadError {
     let extension = file::extension(&context.scene);
-    context.fail(LoadProblem::Unsupported { extension, supported: "json, ply and obj" })
+    let supported = "json, ply, obj, swc, tck and trk";
+    context.fail(LoadProblem::Unsupported { extension, supported })
 }
 
 fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError> {
@@ -130,7 +133,7 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     }
     if context.options.radius.is_some() {
         context.warn(
-            "the radius changes nothing: it is for PLY and OBJ files that are loaded by themselves",
+            "the radius changes nothing: it is for files of shapes that are loaded by themselves",
         );
     }
     let mut file = parse(&mut context, bytes)?;

@@ -104,9 +104,10 @@ impl Reader {
         let texcoord = index(self.texcoords.len(), "texture coordinate")?;
         let normal = index(self.normals.len(), "normal").unwrap_or_else(|problem| {
             let line = self.line_number;
-            self.mesh.oddity.get_or_insert_with(|| {
-                format!("line {line}: {problem}; no normals are taken from the file")
-            });
+            if self.mesh.warnings.is_empty() {
+                let warning = format!("line {line}: {problem}; no normals are taken from the file");
+                self.mesh.warnings.push(warning);
+            }
             None
         });
         let corner = (position, texcoord, normal);

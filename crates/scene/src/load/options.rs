@@ -9,7 +9,7 @@ pub struct LoadOptions {
     /// Replace a texture that cannot be read with a white one, and add a warning, instead of
     /// returning an error.
     pub keep_going: bool,
-    /// The radius of all points and lines of a PLY or OBJ file that is loaded by itself. By default
-    /// it is the radius in the file, or else half the median distance between neighbouring points.
+    /// The radius of all points and lines of a file that is loaded by itself. By default it is the
+    /// radius in the file, or else half the median distance between neighbouring points.
     pub radius: Option<f32>,
 }

@@ -4,7 +4,7 @@
 /// input.
 pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<u8>)> {
     match target {
-        "ply" | "obj" => {
+        "ply" | "obj" | "swc" | "tck" | "trk" => {
             let name = format!("shape.{target}");
             let scene = AROUND_A_SHAPE.replace("FILE", &name);
             Some((name, bytes.to_vec(), scene.into_bytes()))
