@@ -104,8 +104,6 @@ fn a_normal_whose_mirror_image_is_above_the_surface_is_unchanged() {
 /// Returns a saddle in a frame with a normal map of one colour.
 fn mapped_saddle(pixel: [u8; 4], frame: Affine3A) -> Scene {
     let shape = Shape {
-        name: String::new(),
-        method: Method::Enhanced,
         elements: Elements::Quads(vec![[0, 1, 2, 3]]),
         positions: vec![
             vec3(0.0, 0.0, 0.2),
@@ -113,11 +111,9 @@ fn mapped_saddle(pixel: [u8; 4], frame: Affine3A) -> Scene {
             vec3(1.0, 1.0, 0.2),
             vec3(0.0, 1.0, -0.2),
         ],
-        normals: vec![],
         // v runs down the image, so that up on the saddle is up in the image.
         texcoords: vec![vec2(0.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 0.0), vec2(0.0, 0.0)],
-        colors: vec![],
-        radii: vec![],
+        ..Shape::default()
     };
     let mut scene = scene_of(shape, frame, MaterialKind::Matte);
     let pixels = Pixels::Bytes(vec![pixel]);

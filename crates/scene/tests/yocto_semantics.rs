@@ -127,15 +127,11 @@ fn an_environment_is_laid_out_by_longitude_and_polar_angle() {
 /// A quad from 0 to 1 with the corner at (1, 1) lifted, under `method`.
 fn lifted_quad(method: Method) -> Shape {
     Shape {
-        name: String::new(),
         method,
         elements: Elements::Quads(vec![[0, 1, 2, 3]]),
         positions: vec![Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, 1.0), Vec3::Y],
-        normals: vec![],
         texcoords: vec![Vec2::ZERO, vec2(1.0, 0.0), vec2(4.0, 4.0), vec2(0.0, 1.0)],
-        colors: vec![],
-        radii: vec![],
-    }
+    }..Shape::default()
 }
 
 #[test]
@@ -274,14 +270,12 @@ fn a_normal_map_tilts_in_image_rows_that_run_down() {
 fn vanilla_points_and_lines_face_the_viewer() {
     let outgoing = vec3(1.0, 2.0, 2.0);
     let line = Shape {
-        name: String::new(),
         method: Method::Vanilla,
         elements: Elements::Lines(vec![[0, 1]]),
         positions: vec![Vec3::NEG_X, Vec3::X],
         normals: vec![Vec3::X, Vec3::X],
-        texcoords: vec![],
-        colors: vec![],
         radii: vec![0.1, 0.1],
+        ..Shape::default()
     };
     let point = Shape { elements: Elements::Points(2), ..line.clone() };
     let ray = Ray::new(vec3(-1.0, 0.01, 5.0), Vec3::NEG_Z);
@@ -302,14 +296,11 @@ fn vanilla_points_and_lines_face_the_viewer() {
 #[test]
 fn tubes_interpolate_along_their_axis_and_spheres_have_one_value() {
     let tube = Shape {
-        name: String::new(),
-        method: Method::Enhanced,
         elements: Elements::Lines(vec![[0, 1]]),
         positions: vec![Vec3::ZERO, 4.0 * Vec3::X],
-        normals: vec![],
         texcoords: vec![vec2(0.0, 0.5), vec2(1.0, 0.5)],
-        colors: vec![],
         radii: vec![0.5, 0.5],
+        ..Shape::default()
     };
     let scene = scene_of(tube, Affine3A::IDENTITY, MaterialKind::Matte);
     let trees = Trees::build(&scene).expect("the scene is valid");

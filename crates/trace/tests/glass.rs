@@ -1,9 +1,7 @@
 //! Solids of clear glass conserve energy: they are invisible in a white furnace.
 
 use glam::{Affine3A, Vec3};
-use rotund_scene::{
-    Camera, Elements, Environment, Instance, Material, MaterialKind, Method, Scene, Shape,
-};
+use rotund_scene::{Camera, Elements, Environment, Instance, Material, MaterialKind, Scene, Shape};
 use rotund_trace::{Options, View, World};
 
 /// Elements, and their vertices as `[x, y, z, radius]`.
@@ -12,14 +10,10 @@ type Solid = (Elements, &'static [[f32; 4]]);
 /// Returns a scene of glass solids, each shape in an instance of its own.
 fn glass(shapes: &[Solid], roughness: f32) -> Scene {
     let shape = |(elements, balls): &Solid| Shape {
-        name: String::new(),
-        method: Method::Enhanced,
         elements: elements.clone(),
         positions: balls.iter().map(|&[x, y, z, _]| Vec3::new(x, y, z)).collect(),
-        normals: Vec::new(),
-        texcoords: Vec::new(),
-        colors: Vec::new(),
         radii: balls.iter().map(|ball| ball[3]).collect(),
+        ..Shape::default()
     };
     let instance = |index: usize| Instance {
         name: String::new(),

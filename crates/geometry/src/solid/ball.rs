@@ -65,8 +65,9 @@ pub(super) fn chord(f: DVec3, r: f64, d: DVec3) -> Filtered {
     let reach = (f.dot(f) * a).sqrt();
     // The terms of the discriminant, times the digits that they may lose.
     let terms = square + reach * square.sqrt();
-    // Written so that a NaN is uncertain.
-    if !(discriminant.abs() > CANCELLATION * square + 16.0 * ROUNDING * terms) {
+    // A NaN is uncertain.
+    let certain = discriminant.abs() > CANCELLATION * square + 16.0 * ROUNDING * terms;
+    if !certain {
         return Filtered::Uncertain;
     }
     if discriminant < 0.0 {

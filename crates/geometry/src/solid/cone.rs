@@ -112,7 +112,8 @@ fn filter(cone: &RoundedCone, ray: &Ray) -> Filtered {
     let (gg, ww) = (g.dot(g), w.dot(w));
     let k2 = gg - rho * rho * a;
     let k2_error = ROUNDING * (gg.sqrt() * de + rho * rho * a);
-    if !(k2.abs() > 1024.0 * k2_error) {
+    let certain = k2.abs() > 1024.0 * k2_error;
+    if !certain {
         return Filtered::Uncertain;
     }
     let square = r0 * r0 * a;
@@ -134,7 +135,7 @@ fn filter(cone: &RoundedCone, ray: &Ray) -> Filtered {
     } else {
         ([second, first], [second_error, first_error])
     };
-    let (mut ends, mut worst) = ([0.0; 2], 0.0_f64);
+    let (mut ends, mut end_errors) = ([0.0; 2], [0.0; 2]);
     // Both ends are often in the same cap.
     let mut caps = [None; 2];
     for (end, (theta, theta_error)) in thetas.into_iter().zip(errors).enumerate() {
@@ -146,12 +147,14 @@ fn filter(cone: &RoundedCone, ray: &Ray) -> Filtered {
             true if is_entry == (m >= 0.0) => f64::NEG_INFINITY,
             true => f64::INFINITY,
         };
-        let error;
+        if y.is_nan() {
+            return Filtered::Uncertain;
+        }
         if y >= 0.0 && y <= width {
             ends[end] = (theta - b) / a;
-            error = (theta_error + ROUNDING * fd) / a;
+            end_errors[end] = (theta_error + ROUNDING * fd) / a;
         } else {
-            let cap = usize::from(!(y < 0.0));
+            let cap = usize::from(y > width);
             let interval = match caps[cap] {
                 Some(interval) => interval,
                 None => match chord(if cap == 0 { f } else { f - e }, [r0, r1][cap], d) {
@@ -161,14 +164,12 @@ fn filter(cone: &RoundedCone, ray: &Ray) -> Filtered {
             };
             caps[cap] = Some(interval);
             ends[end] = [interval.entry, interval.exit][end];
-            error = interval.error;
-        }
-        // In this form a NaN survives.
-        if !(error <= worst) {
-            worst = error;
+            end_errors[end] = interval.error;
         }
     }
-    Filtered::Found(Interval { entry: ends[0], exit: ends[1], error: worst })
+    // The sum bounds both, and is NaN if one is.
+    let error = end_errors[0] + end_errors[1];
+    Filtered::Found(Interval { entry: ends[0], exit: ends[1], error })
 }
 
 impl RoundedCone {

@@ -6,7 +6,7 @@ use rotund_geometry::{
     Ray,
     glam::{Affine3A, EulerRot, Mat3, Quat, Vec2, Vec3},
 };
-use rotund_scene::{Elements, Instance, Material, MaterialKind, Method, Scene, Shape};
+use rotund_scene::{Elements, Instance, Material, MaterialKind, Scene, Shape};
 
 pub(crate) mod input;
 pub(crate) mod whole;
@@ -54,16 +54,7 @@ pub(crate) fn shapes(random: &mut Random, count: u32, size: f32) -> Vec<Shape> {
             }
         }
         let radii = positions.iter().map(|_| size * (0.05 + 0.3 * random.unit())).collect();
-        Shape {
-            name: String::new(),
-            method: Method::Enhanced,
-            elements,
-            positions,
-            normals: vec![],
-            texcoords: vec![],
-            colors: vec![],
-            radii,
-        }
+        Shape { elements, positions, radii, ..Shape::default() }
     };
     vec![
         make(1, Elements::Points(count)),

@@ -4,8 +4,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 use rotund_scene::{
-    Camera, Elements, Environment, Instance, Material, MaterialKind, MaterialPoint, Method, Scene,
-    Shape,
+    Camera, Elements, Environment, Instance, Material, MaterialKind, MaterialPoint, Scene, Shape,
 };
 use rotund_trace::{Sampler, Sequence};
 

@@ -66,14 +66,10 @@ fn rendered(light: &Scene, (position, normal): Receiver, outwards: Vec3) -> f64 
     let (x, y) = normal.any_orthonormal_pair();
     let corner = |s: f32, t: f32| position + 0.1 * REACH * (s * x + t * y);
     scene.shapes.push(Shape {
-        name: String::new(),
         method: Method::Vanilla,
         elements: Elements::Quads(vec![[0, 1, 2, 3]]),
         positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-        normals: Vec::new(),
-        texcoords: Vec::new(),
-        colors: Vec::new(),
-        radii: Vec::new(),
+        ..Shape::default()
     });
     scene.materials.push(Material { color: Vec3::ONE, ..Material::default() });
     scene.instances.push(Instance {
