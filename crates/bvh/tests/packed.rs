@@ -475,3 +475,40 @@ fn statistics_and_visits_add_up() {
     assert!(through_the_middle.nodes > 0 && through_the_middle.primitives > 0);
     assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Method::Enhanced).primitives, 0);
 }
+
+#[test]
+fn a_hit_whose_t_overflows_is_missed() {
+    // A row of shapes along the ray, so that several are candidates; each is 1 m and more away.
+    let centers = || (0..64).map(|i| Vec3::new(0.0, 0.0, 2.0 + 0.25 * i as f32));
+    let spheres: Vec<_> = centers().map(|center| Sphere { center, radius: 0.5 }).collect();
+    let triangles: Vec<_> = centers()
+        .map(|c| Triangle { p0: c - Vec3::X - Vec3::Y, p1: c + Vec3::X - Vec3::Y, p2: c + Vec3::Y })
+        .collect();
+    let patches: Vec<_> = centers()
+        .map(|c| BilinearPatch {
+            p00: c - Vec3::X - Vec3::Y,
+            p10: c + Vec3::X - Vec3::Y,
+            p01: c - Vec3::X + Vec3::Y,
+            p11: c + Vec3::X + Vec3::Y,
+        })
+        .collect();
+    for isa in Isa::available() {
+        let spheres = SphereTree::build(&spheres).with_isa(isa);
+        let triangles = TriangleTree::build(&triangles).with_isa(isa);
+        let patches = PatchTree::build(&patches).with_isa(isa);
+        for method in Method::ALL {
+            for length in [1e-38, 1e-39] {
+                let ray = Ray::new(Vec3::new(0.01, 0.02, -9.0), length * Vec3::Z);
+                assert_eq!(spheres.closest(&ray, method), None, "{isa:?}, {method:?}, {length:e}");
+                assert_eq!(triangles.closest(&ray, method), None, "{isa:?}, {length:e}");
+                assert_eq!(patches.closest(&ray, method), None, "{isa:?}, {length:e}");
+            }
+            for length in [1e-30, 1.0, 1e30] {
+                let ray = Ray::new(Vec3::new(0.01, 0.02, -9.0), length * Vec3::Z);
+                assert!(spheres.closest(&ray, method).is_some(), "{isa:?}, {method:?}, {length:e}");
+                assert!(triangles.closest(&ray, method).is_some(), "{isa:?}, {length:e}");
+                assert!(patches.closest(&ray, method).is_some(), "{isa:?}, {length:e}");
+            }
+        }
+    }
+}
