@@ -37,8 +37,8 @@ fn rgbe_range([r, g, b, _]: [f32; 4]) -> ::image::Rgb<f32> {
     const LARGEST: f32 = 255.0 * (1_u128 << 119) as f32;
     /// Below this power of two an exponent is 0, which stands for black, or less.
     const SMALLEST: f32 = 0.25 * f32::MIN_POSITIVE;
-    // `max` replaces a NaN by 0.
-    let color = [r, g, b].map(|channel| channel.max(0.0).min(LARGEST));
+    let in_range = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST) };
+    let color = [r, g, b].map(in_range);
     let black = color.iter().all(|&channel| channel < SMALLEST);
     ::image::Rgb(if black { [0.0; 3] } else { color })
 }
