@@ -79,9 +79,10 @@
 //! `load`, on by default, adds [`load`] and [`load_bytes`] with their readers of JSON, PLY, OBJ and
 //! images. Without it the crate depends on Rotund's geometry, trees and colour conversions, `glam`
 //! and `rayon` alone.
+//!
 #![cfg_attr(
     not(feature = "load"),
-    doc = "\n[`load`]: https://docs.rs/rotund-scene/latest/rotund_scene/fn.load.html\n\
+    doc = "[`load`]: https://docs.rs/rotund-scene/latest/rotund_scene/fn.load.html\n\
            [`load_bytes`]: https://docs.rs/rotund-scene/latest/rotund_scene/fn.load_bytes.html"
 )]
 
