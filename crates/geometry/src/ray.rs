@@ -6,8 +6,10 @@ use crate::float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 
 /// The points `origin + t * direction` with `t` in `t_min..=t_max`.
 ///
-/// The direction may have any length but zero; `t` counts in units of it. A ray whose interval is
-/// empty or has a NaN end misses everything.
+/// `t` counts in units of the direction, which need not have unit length. Results are right for
+/// lengths of about `1e-30..=1e30`: beyond, `t` of a hit at an ordinary distance, or the square of
+/// the direction, can be outside of the range of `f32`, and such a hit may be missed. A ray whose
+/// direction is zero, or whose interval is empty or has a NaN end, misses everything.
 ///
 /// ```
 /// use rotund_geometry::{Ray, glam::Vec3};

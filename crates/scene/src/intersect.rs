@@ -74,9 +74,9 @@ impl Trees {
     }
 
     /// Refits the trees to a scene whose vertices, radii or frames changed, which is faster than
-    /// building new ones. Answers are those of new trees. Bounds are recomputed and the topology
-    /// stays, so queries become slower as neighbours move apart; build new trees once that costs
-    /// more than a build.
+    /// building new ones. Queries return the same hits as newly built trees. Bounds are recomputed
+    /// and the topology stays, so queries become slower as neighbours move apart; build new trees
+    /// once that costs more than a build.
     ///
     /// Elements may also name other vertices, and instances other shapes.
     ///
