@@ -85,7 +85,7 @@ fn program() -> clap::Command {
     rotund::with_examples_of("cargo xtask", Cli::command())
         .mut_subcommand("golden", |command| {
             command.after_help(GOLDEN_EXAMPLES).mut_arg("dir", |dir| {
-                // Scenes of one's own need a folder of their own.
+                // Custom scenes need a folder of their own.
                 dir.required(false)
                     .hide_default_value(true)
                     .default_value(golden.into_os_string())

@@ -203,8 +203,8 @@ impl Bvh {
     /// `test` is called with the id of a primitive and the ray. It returns the `t` of the first hit
     /// in `ray.t_min..=ray.t_max` and a value of the caller's choice, or `None` for a miss. A `t`
     /// that is outside the interval or not finite counts as a miss. The `t_max` of the ray in the
-    /// call is that of the closest hit so far. Ids come in no particular order, roughly from near to
-    /// far, each at most once.
+    /// call is that of the closest hit so far. Ids come in no particular order, roughly from near
+    /// to far, each at most once.
     ///
     /// A ray whose origin or direction is not finite, whose direction is zero, or whose interval is
     /// empty or has a NaN, hits nothing, and `test` is not called.

@@ -3,8 +3,8 @@
 mod support;
 
 use glam::Vec3;
-use rotund_bvh::Bvh;
-use rotund_geometry::{Aabb, Ray};
+use rotund_bvh::{Bvh, Isa, Method, PatchTree, SphereTree, TriangleTree};
+use rotund_geometry::{Aabb, BilinearPatch, Ray, Sphere, Triangle};
 use support::{Ball, Random, ask, boxes, loop_over};
 
 const NAN: f32 = f32::NAN;
@@ -212,6 +212,43 @@ fn a_flat_scene_works() {
             along[(axis + 1) % 3] = 1.0;
             let ray = Ray::new(boxed.center() - 5.0 * along, along);
             assert!(visits(&bvh, &ray).contains(&(id as u32)), "axis {axis}, box {id}, along");
+        }
+    }
+}
+
+#[test]
+fn a_hit_whose_t_overflows_is_missed() {
+    // A row of shapes along the ray, so that several are candidates; each is 1 m and more away.
+    let centers = || (0..64).map(|i| Vec3::new(0.0, 0.0, 2.0 + 0.25 * i as f32));
+    let spheres: Vec<_> = centers().map(|center| Sphere { center, radius: 0.5 }).collect();
+    let triangles: Vec<_> = centers()
+        .map(|c| Triangle { p0: c - Vec3::X - Vec3::Y, p1: c + Vec3::X - Vec3::Y, p2: c + Vec3::Y })
+        .collect();
+    let patches: Vec<_> = centers()
+        .map(|c| BilinearPatch {
+            p00: c - Vec3::X - Vec3::Y,
+            p10: c + Vec3::X - Vec3::Y,
+            p01: c - Vec3::X + Vec3::Y,
+            p11: c + Vec3::X + Vec3::Y,
+        })
+        .collect();
+    for isa in Isa::available() {
+        let spheres = SphereTree::build(&spheres).with_isa(isa);
+        let triangles = TriangleTree::build(&triangles).with_isa(isa);
+        let patches = PatchTree::build(&patches).with_isa(isa);
+        for method in Method::ALL {
+            for length in [1e-38, 1e-39] {
+                let ray = Ray::new(Vec3::new(0.01, 0.02, -9.0), length * Vec3::Z);
+                assert_eq!(spheres.closest(&ray, method), None, "{isa:?}, {method:?}, {length:e}");
+                assert_eq!(triangles.closest(&ray, method), None, "{isa:?}, {length:e}");
+                assert_eq!(patches.closest(&ray, method), None, "{isa:?}, {length:e}");
+            }
+            for length in [1e-30, 1.0, 1e30] {
+                let ray = Ray::new(Vec3::new(0.01, 0.02, -9.0), length * Vec3::Z);
+                assert!(spheres.closest(&ray, method).is_some(), "{isa:?}, {method:?}, {length:e}");
+                assert!(triangles.closest(&ray, method).is_some(), "{isa:?}, {length:e}");
+                assert!(patches.closest(&ray, method).is_some(), "{isa:?}, {length:e}");
+            }
         }
     }
 }

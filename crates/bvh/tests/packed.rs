@@ -8,7 +8,7 @@ use rotund_bvh::{
     Bvh, ConeTree, Isa, Method, PatchTree, PrimitiveHit, RefitError, SphereTree, TriangleTree,
 };
 use rotund_geometry::{BilinearPatch, Hit, Ray, RoundedCone, Sphere, Triangle, vanilla};
-use support::Random;
+use support::{Random, cones, patches, spheres, triangles};
 
 /// The closest hit, and whether there is any.
 type Answer = (Option<PrimitiveHit>, bool);
@@ -60,48 +60,6 @@ fn line(c: &RoundedCone) -> vanilla::Line {
 
 fn quad(p: &BilinearPatch) -> vanilla::Quad {
     vanilla::Quad { p0: p.p00, p1: p.p10, p2: p.p11, p3: p.p01 }
-}
-
-fn spheres(random: &mut Random, count: usize, size: f32) -> Vec<Sphere> {
-    (0..count)
-        .map(|_| Sphere { center: random.in_cube(), radius: size * (0.01 + random.unit()) })
-        .collect()
-}
-
-fn cones(random: &mut Random, count: usize, size: f32) -> Vec<RoundedCone> {
-    (0..count)
-        .map(|i| {
-            let p0 = random.in_cube();
-            // Long and thin, short and thick, and one ball in the other.
-            let length = size * 2f32.powi(i as i32 % 7 - 4);
-            RoundedCone {
-                p0,
-                r0: 0.2 * size * random.unit(),
-                p1: p0 + length * random.in_cube(),
-                r1: 0.2 * size * random.unit(),
-            }
-        })
-        .collect()
-}
-
-fn patches(random: &mut Random, count: usize, size: f32) -> Vec<BilinearPatch> {
-    (0..count)
-        .map(|i| {
-            let p00 = random.in_cube();
-            let (u, v) = (size * random.in_cube(), size * random.in_cube());
-            let twist = size * random.in_cube() * [0.0, 0.1, 1.0][i % 3];
-            BilinearPatch { p00, p10: p00 + u, p01: p00 + v, p11: p00 + u + v + twist }
-        })
-        .collect()
-}
-
-fn triangles(random: &mut Random, count: usize, size: f32) -> Vec<Triangle> {
-    (0..count)
-        .map(|_| {
-            let p0 = random.in_cube();
-            Triangle { p0, p1: p0 + size * random.in_cube(), p2: p0 + size * random.in_cube() }
-        })
-        .collect()
 }
 
 /// Rays from near and far, some perpendicular to an axis, with directions of many lengths and with
@@ -486,40 +444,4 @@ fn a_refit_that_fails_names_the_reason_and_leaves_the_tree_as_it_was() {
     }
     assert_eq!(tree.refit(&balls), Ok(()));
     assert_eq!(tree.bounds(), SphereTree::build(&balls).bounds());
-}
-
-#[test]
-fn statistics_and_visits_add_up() {
-    let mut random = Random(14);
-    let balls = spheres(&mut random, 10_000, 0.02);
-    let tree = SphereTree::build(&balls);
-    let statistics = tree.statistics();
-    assert_eq!((statistics.primitives, tree.left_out()), (balls.len(), 0));
-    assert_eq!(statistics.children, statistics.nodes - 1 + statistics.leaves);
-    assert!(statistics.bytes < 56 * balls.len(), "{statistics:?}");
-    let through_the_middle = tree.visits(&Ray::new(Vec3::splat(-2.0), Vec3::ONE), Method::Enhanced);
-    assert!(through_the_middle.nodes > 0 && through_the_middle.primitives > 0);
-    assert_eq!(tree.visits(&Ray::new(Vec3::splat(2.0), Vec3::ONE), Method::Enhanced).primitives, 0);
-}
-
-#[test]
-fn the_expected_cost_of_a_tree_does_not_depend_on_its_scale() {
-    let mut random = Random(19);
-    let faces = triangles(&mut random, 1000, 0.2);
-    let sah = |exponent: i32| {
-        let scale = 2f32.powi(exponent);
-        let scaled = |t: &Triangle| {
-            let [p0, p1, p2] = [t.p0, t.p1, t.p2].map(|p| scale * p);
-            Triangle { p0, p1, p2 }
-        };
-        let tree = TriangleTree::build(&faces.iter().map(scaled).collect::<Vec<_>>());
-        tree.statistics().sah
-    };
-    let usual = sah(0);
-    assert!(usual > 1.0 && usual < 100.0, "{usual}");
-    // The builder compares areas in `f32`, where these overflow or underflow, so the trees differ.
-    for exponent in [-100, -70, 70, 100, 126] {
-        let sah = sah(exponent);
-        assert!(sah > 1.0 && sah < 1000.0, "2^{exponent}: {sah}");
-    }
 }

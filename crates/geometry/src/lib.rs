@@ -98,9 +98,9 @@
 //! - `std` (default) takes roots and angles from the standard library. Without it the crate is
 //!   `no_std`, takes them from `libm`, and needs no allocator.
 //! - `serde` implements `Serialize` and `Deserialize` for rays, hits, boxes, methods and shapes. A
-//!   [`Ray`] may be written without `t_min` and `t_max`, which are then 0 and infinity. A `t_max` of
-//!   infinity is written as none, which JSON calls `null`. Other infinities, as in [`Aabb::EMPTY`],
-//!   need a format that has them, which JSON is not.
+//!   [`Ray`] may be written without `t_min` and `t_max`, which are then 0 and infinity. A `t_max`
+//!   of infinity is written as none, which JSON calls `null`. Other infinities, as in
+//!   [`Aabb::EMPTY`], need a format that has them, which JSON is not.
 //!
 //! `glam`, whose vectors are part of the interface, is exported as [`rotund_geometry::glam`](glam).
 //!

@@ -6,8 +6,10 @@ use crate::float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 
 /// The points `origin + t * direction` with `t` in `t_min..=t_max`.
 ///
-/// The direction may have any length but zero; `t` counts in units of it. A ray whose interval is
-/// empty or has a NaN end misses everything.
+/// `t` counts in units of the direction, which need not have unit length. Results are right for
+/// lengths of about `1e-30..=1e30`: beyond, `t` of a hit at an ordinary distance, or the square of
+/// the direction, can be outside of the range of `f32`, and such a hit may be missed. A ray whose
+/// direction is zero, or whose interval is empty or has a NaN end, misses everything.
 ///
 /// ```
 /// use rotund_geometry::{Ray, glam::Vec3};
@@ -18,9 +20,9 @@ use crate::float::{UNIT_ROUNDOFF, leave_surface, rounding_error};
 /// assert_eq!(segment.at(segment.t_max), Vec3::new(2.5, 0.0, 0.0));
 /// ```
 ///
-/// With the feature `serde`, `t_min` and `t_max` may be omitted: they are then 0 and infinity, as in
-/// [`Ray::new`]. A field with another name is an error. A `t_max` of infinity is written as none,
-/// in JSON `null`; a `t_max` that is NaN or minus infinity cannot be written.
+/// With the feature `serde`, `t_min` and `t_max` may be omitted: they are then 0 and infinity, as
+/// in [`Ray::new`]. A field with another name is an error. A `t_max` of infinity is written as
+/// none, in JSON `null`; a `t_max` that is NaN or minus infinity cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -135,7 +137,8 @@ impl Hit {
     ///
     /// - `point` lies within `e` of the surface, as the position of a hit and a point that was
     ///   computed in `f64` and rounded once do;
-    /// - the cosine between the ray and the normal of the surface is at least 0.1 in absolute value;
+    /// - the cosine between the ray and the normal of the surface is at least 0.1 in absolute
+    ///   value;
     /// - the radius of curvature of the surface is large compared with `e / 0.1²`.
     ///
     /// A distance below `16 e` cannot be resolved: the interval is empty, and nothing lies between.
@@ -159,10 +162,10 @@ impl Hit {
         let origin = leave_surface(self.position, self.error, self.normal, point - self.position);
         let direction = point - origin;
         // The surface lies within `e` of the point, and the point within `u` times the length of
-        // the end of the ray, whose direction is rounded. Along the ray the cosine divides both, and
-        // `t` is rounded by another `u`. For a cosine of 0.1 this is `10 (e / l + u) + u`, which is
-        // less than the larger of `32 u` and `16 e / l`; the rest is for the curvature. The longest
-        // component bounds the length from below and neither overflows nor underflows.
+        // the end of the ray, whose direction is rounded. Along the ray the cosine divides both,
+        // and `t` is rounded by another `u`. For a cosine of 0.1 this is `10 (e / l + u) + u`,
+        // which is less than the larger of `32 u` and `16 e / l`; the rest is for the curvature.
+        // The longest component bounds the length from below and neither overflows nor underflows.
         let share = rounding_error(point) / direction.abs().max_element();
         let margin = (16.0 * share).max(32.0 * UNIT_ROUNDOFF);
         Ray { t_max: 1.0 - margin, ..Ray::new(origin, direction) }

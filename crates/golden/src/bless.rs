@@ -37,9 +37,9 @@ pub enum Blessed {
 /// Renders the reference of a picture whose longer side gets `resolution` pixels. Nothing is
 /// written.
 ///
-/// Every picture meets the same standard, and a check is never weakened. Refused are pictures that
-/// are smaller than their reference was, too noisy to reveal a loss of one percent of the light or
-/// to keep FLIP below [`FLIP_CEILING`], black, or with rejected samples.
+/// Every picture meets the same standard, and a check is never weakened. Pictures are refused if
+/// they are smaller than their reference was, too noisy to reveal a loss of one percent of the
+/// light or to keep FLIP below [`FLIP_CEILING`], black, or with rejected samples.
 pub(crate) fn bless(
     case: &Case,
     old: Option<&Reference>,

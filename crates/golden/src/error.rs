@@ -23,6 +23,10 @@ pub enum GoldenError {
     Name { name: String },
     #[error("{first} and {second} would share the reference {name}.exr: rename one")]
     NameTaken { name: String, first: String, second: String },
+    #[error("the suite of {} has no pictures: a check of nothing would always pass", folder.display())]
+    NoPictures { folder: PathBuf },
+    #[error("the resolution of the suite is 0, expected at least 1 pixel")]
+    Resolution,
     #[error("{} has no scene files", folder.display())]
     NoScenes { folder: PathBuf },
     #[error(transparent)]

@@ -59,6 +59,7 @@ pub use error::{Failed, GoldenError, Refused};
 pub use moments::Moments;
 pub use page::{Failure, failure_page};
 pub use reference::Reference;
+pub use rotund_scene as scene;
 pub use significance::FALSE_ALARMS;
 pub use suite::{Judged, Outcome, Settings, Suite, write_page};
 pub use surface::Surface;

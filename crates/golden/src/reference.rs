@@ -23,7 +23,7 @@ use std::path::Path;
 pub struct Reference {
     /// Mean and variance, rounded as in the file.
     pub moments: Moments,
-    /// What the camera sees without light.
+    /// Geometry and surface buffers (AOVs), which need no light transport.
     pub surface: Surface,
     /// Samples per pixel of one replica.
     pub samples: u32,

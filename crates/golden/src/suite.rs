@@ -26,7 +26,8 @@ pub struct Suite {
     /// Names are unique.
     cases: Vec<Case>,
     /// Pixels along the longer side of a picture that is accepted for the first time, or anew: 96
-    /// by default. Without noise in the way, more pixels find smaller faults and take more time.
+    /// by default, and at least 1. Without noise in the way, more pixels find smaller faults and
+    /// take more time.
     pub resolution: u32,
     /// The page that a failed check writes: `failures.html` in the folder by default.
     pub page: PathBuf,
@@ -171,9 +172,15 @@ impl Suite {
     ///
     /// [`GoldenError::Failed`] if a picture differs or has no reference, or a reference in the
     /// folder belongs to no picture; its message lists all of them, and the page [`Self::page`]
-    /// shows them. Other errors if a scene cannot be loaded or rendered, or a file cannot be read
-    /// or written.
+    /// shows them. Other errors if the suite has no picture or no resolution, a scene cannot be
+    /// loaded or rendered, or a file cannot be read or written.
     pub fn check(&self) -> Result<(), GoldenError> {
+        if self.cases.is_empty() {
+            return Err(GoldenError::NoPictures { folder: self.folder.clone() });
+        }
+        if self.resolution == 0 {
+            return Err(GoldenError::Resolution);
+        }
         let bless = std::env::var_os(BLESS_VARIABLE);
         if bless.is_some_and(|value| !value.is_empty() && value != "0") {
             return self.bless().map(drop);
@@ -208,12 +215,13 @@ impl Suite {
     ///
     /// If the scene cannot be loaded or rendered, or the reference cannot be read.
     pub fn examine(&self, case: &Case, settings: &Settings) -> Result<Outcome, GoldenError> {
+        // A scene that cannot be rendered is worse news than that it has no reference yet.
+        let subject = Subject::new(&case.name, case.load()?, settings.isa)?;
         if !case.reference.is_file() {
             let text = format!("there is no reference {} yet", case.reference.display());
             return Ok(Outcome::Failed(text));
         }
         let reference = Reference::read(&case.reference)?;
-        let subject = Subject::new(&case.name, case.load()?, settings.isa)?;
         let Moments { width, height, .. } = reference.moments;
         let (width, height) = (width as u32, height as u32);
         let size = subject.resolution(width.max(height));
@@ -270,8 +278,12 @@ impl Suite {
     /// [`GoldenError::Refused`] if the check would be weaker than that of the other pictures: the
     /// picture is black, has invalid samples, is smaller than its reference was, or is so noisy
     /// that [`SMALLEST_LOSS`](crate::SMALLEST_LOSS) of the light could be lost unnoticed. Other
-    /// errors if the scene cannot be loaded or rendered, or the file cannot be written.
+    /// errors if [`Self::resolution`] is 0, the scene cannot be loaded or rendered, or the file
+    /// cannot be written.
     pub fn accept(&self, case: &Case) -> Result<Blessed, GoldenError> {
+        if self.resolution == 0 {
+            return Err(GoldenError::Resolution);
+        }
         // A file that cannot be read is replaced like one that is missing.
         let old = Reference::read(&case.reference).ok();
         let blessed = bless(case, old.as_ref(), self.resolution, self.cases.len())?;

@@ -2,8 +2,9 @@
 //!
 //! Sixteen rays go through each pixel, always the same ones. Their results have no random part, so
 //! any change is a fault and the comparison is a yes or no: light is compared by the statistical
-//! tests of [`crate::verdict`]. Found is whatever moves the mean of a pixel by two of the steps in
-//! which it is stored: one ray more or less, a flipped normal, a texture shifted by 1/256.
+//! tests of [`crate::verdict`]. The check detects anything that moves the mean of a pixel by two of
+//! the steps in which it is stored: one ray more or less, a flipped normal, a texture shifted by
+//! 1/256.
 //!
 //! | check | mean over the rays of a pixel | finds |
 //! | --- | --- | --- |
@@ -83,7 +84,8 @@ impl Channel {
     }
 }
 
-/// What the camera sees without light: means over the rays of each pixel.
+/// Geometry and surface buffers (AOVs), which need no light transport: means over the rays of each
+/// pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Number of columns.

@@ -90,14 +90,27 @@ fn wrong_input_is_an_error_that_names_the_picture() {
         let error = suite.add(name, ball(1.0)).unwrap_err().to_string();
         assert!(error.contains(&format!("{name:?}")), "{error}");
     }
-    suite.add_file("no/such/scene.json").unwrap();
-    let missing = suite.bless().unwrap_err().to_string();
-    assert!(missing.contains("no/such/scene.json"), "{missing}");
+    suite.resolution = 0;
+    for result in [suite.check(), suite.bless().map(drop)] {
+        assert!(words(result).starts_with("the resolution of the suite is 0"));
+    }
+    suite.resolution = 24;
+    let empty = words(Suite::new(folder.join("empty")).check());
+    assert!(empty.contains("empty has no pictures"), "{empty}");
+
+    // A scene that cannot be rendered is reported as such, whether it has a reference or not.
+    let mut absent = Suite::new(folder.join("absent"));
+    absent.add_file("no/such/scene.json").unwrap();
+    for result in [absent.check(), absent.bless().map(drop)] {
+        let missing = words(result);
+        assert!(missing.contains("no/such/scene.json: cannot be read"), "{missing}");
+    }
 
     let mut blind = Suite::new(folder.join("blind"));
     blind.add("no-eyes", Scene { cameras: Vec::new(), ..ball(1.0) }).unwrap();
-    let error = blind.bless().unwrap_err();
-    assert!(matches!(&error, GoldenError::NoCamera { name } if name == "no-eyes"), "{error}");
+    for error in [blind.bless().unwrap_err(), blind.check().unwrap_err()] {
+        assert!(matches!(&error, GoldenError::NoCamera { name } if name == "no-eyes"), "{error}");
+    }
 
     let mut dark = Suite::new(folder.join("dark"));
     dark.resolution = 16;
@@ -111,8 +124,9 @@ fn wrong_input_is_an_error_that_names_the_picture() {
     broken.shapes[0].radii[0] = f32::NAN;
     let mut nan = Suite::new(folder.join("nan"));
     nan.add("broken", broken).unwrap();
-    let error = nan.bless().unwrap_err();
-    assert!(matches!(&error, GoldenError::Scene { name, .. } if name == "broken"), "{error}");
+    for error in [nan.bless().unwrap_err(), nan.check().unwrap_err()] {
+        assert!(matches!(&error, GoldenError::Scene { name, .. } if name == "broken"), "{error}");
+    }
 }
 
 #[test]

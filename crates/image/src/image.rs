@@ -9,7 +9,7 @@ use crate::color::{linear_from_srgb_table, srgb_from_linear};
 /// colours by alpha: what a pixel holds is what a file gets.
 ///
 /// The fields are public and may be set freely. Functions that can fail refuse an image that does
-/// not hold `width * height` pixels.
+/// not hold `width * height` pixels; those that say so panic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
     /// Number of columns.
@@ -22,15 +22,23 @@ pub struct Image {
 
 impl Image {
     /// Returns an opaque black image.
+    ///
+    /// # Panics
+    ///
+    /// If a vector cannot hold so many pixels, as [`Vec::with_capacity`].
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self::from_fn(width, height, |_, _| [0.0, 0.0, 0.0, 1.0])
     }
 
     /// Returns the image whose pixel in column `x` and row `y` is `pixel(x, y)`.
+    ///
+    /// # Panics
+    ///
+    /// If a vector cannot hold so many pixels, as [`Vec::with_capacity`].
     #[must_use]
     pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> [f32; 4]) -> Self {
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        let mut pixels = Vec::with_capacity(area(width, height));
         for y in 0..height {
             pixels.extend((0..width).map(|x| pixel(x, y)));
         }
@@ -40,6 +48,10 @@ impl Image {
     /// Returns the opaque image whose 8-bit sRGB colour in column `x` and row `y` is `srgb(x, y)`.
     ///
     /// [`Self::srgb_bytes`] gives the same bytes back.
+    ///
+    /// # Panics
+    ///
+    /// If a vector cannot hold so many pixels, as [`Vec::with_capacity`].
     #[must_use]
     pub fn from_srgb_fn(
         width: u32,
@@ -78,8 +90,13 @@ impl Image {
     }
 
     /// Returns the part with its upper left corner at `(left, top)`, cut where the image ends.
+    ///
+    /// # Panics
+    ///
+    /// If this image does not hold `width * height` pixels.
     #[must_use]
     pub fn crop(&self, left: u32, top: u32, width: u32, height: u32) -> Self {
+        self.assert_whole();
         let (left, top) = (left.min(self.width), top.min(self.height));
         let (width, height) = (width.min(self.width - left), height.min(self.height - top));
         Self::from_fn(width, height, |x, y| self.pixel(left + x, top + y))
@@ -90,9 +107,11 @@ impl Image {
     ///
     /// # Panics
     ///
-    /// If this image has no pixels but the result should.
+    /// If this image has no pixels but the result should, or does not hold `width * height` pixels,
+    /// or a vector cannot hold those of the result.
     #[must_use]
     pub fn resized(&self, width: u32, height: u32) -> Self {
+        self.assert_whole();
         if width == 0 || height == 0 {
             return Self { width, height, pixels: Vec::new() };
         }
@@ -100,12 +119,12 @@ impl Image {
         let columns = coverage(self.width, width);
         let rows = coverage(self.height, height);
         // The filter is separable: along the rows first, then along the columns.
-        let mut narrow = Vec::with_capacity(width as usize * self.height as usize);
+        let mut narrow = Vec::with_capacity(area(width, self.height));
         for y in 0..self.height as usize {
             let row = &self.pixels[y * self.width as usize..][..self.width as usize];
             narrow.extend(columns.iter().map(|weights| mean(weights, |x| row[x])));
         }
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        let mut pixels = Vec::with_capacity(area(width, height));
         for weights in &rows {
             let columns = 0..width as usize;
             pixels.extend(columns.map(|x| mean(weights, |y| narrow[y * width as usize + x])));
@@ -114,10 +133,19 @@ impl Image {
     }
 
     /// Returns true if there are as many pixels as width and height say.
-    #[cfg(feature = "codecs")]
     pub(crate) fn is_whole(&self) -> bool {
         self.pixels.len() as u64 == u64::from(self.width) * u64::from(self.height)
     }
+
+    fn assert_whole(&self) {
+        let Self { width, height, pixels } = self;
+        assert!(self.is_whole(), "an image of {width} x {height} holds {} pixels", pixels.len());
+    }
+}
+
+/// Returns the number of pixels, or the largest number if that is larger.
+fn area(width: u32, height: u32) -> usize {
+    (width as usize).saturating_mul(height as usize)
 }
 
 /// For each of `to` intervals that divide `from` pixels evenly: the pixels that it covers, and
@@ -191,5 +219,13 @@ mod tests {
         assert_eq!((crop.width, crop.height), (1, 1));
         assert_eq!(crop.pixels, [[3.0, 1.0, 0.0, 1.0]]);
         assert!(image.crop(9, 9, 2, 2).pixels.is_empty());
+    }
+
+    #[test]
+    #[should_panic(expected = "an image of 4 x 3 holds 11 pixels")]
+    fn an_image_with_missing_pixels_has_no_part() {
+        let mut image = Image::new(4, 3);
+        image.pixels.pop();
+        let _ = image.crop(0, 0, 1, 1);
     }
 }

@@ -35,18 +35,29 @@ pub fn signed_range(signed: &Plane) -> f64 {
 }
 
 /// Draws values from `-range` (blue) to `range` (red).
+///
+/// # Panics
+///
+/// If the plane does not hold `width * height` values.
 #[must_use]
 pub fn signed(signed: &Plane, range: f64) -> Image {
     draw(signed, |value| diverging((0.5 + 0.5 * f64::from(value) / range).clamp(0.0, 1.0)))
 }
 
 /// Draws values from 0 (black) to 1 (pale yellow).
+///
+/// # Panics
+///
+/// If the plane does not hold `width * height` values.
 #[must_use]
 pub fn flip(flip: &Plane) -> Image {
     draw(flip, |value| sequential(f64::from(value).clamp(0.0, 1.0)))
 }
 
 fn draw(plane: &Plane, color: impl Fn(f32) -> [u8; 3]) -> Image {
+    let Plane { width, height, ref values } = *plane;
+    let whole = width.checked_mul(height) == Some(values.len());
+    assert!(whole, "a plane of {width} x {height} holds {} values", values.len());
     Image::from_srgb_fn(plane.width as u32, plane.height as u32, |x, y| {
         color(plane.values[y as usize * plane.width + x as usize])
     })

@@ -46,6 +46,36 @@ fn what_is_written_comes_back_as_exactly_as_the_format_can_hold() {
 }
 
 #[test]
+fn an_hdr_file_clips_what_it_cannot_hold() {
+    let largest = 255.0 * 2.0_f32.powi(119);
+    let table = [
+        (f32::INFINITY, largest),
+        (f32::MAX, largest),
+        (2.0_f32.powi(127), largest),
+        (largest, largest),
+        (2.0_f32.powi(126), 2.0_f32.powi(126)),
+        (f32::NAN, 0.0),
+        (-1.0, 0.0),
+        (f32::NEG_INFINITY, 0.0),
+        (2.0_f32.powi(-126), 2.0_f32.powi(-126)),
+        (2.0_f32.powi(-128), 2.0_f32.powi(-128)),
+        (2.0_f32.powi(-130), 0.0),
+        (1e-45, 0.0),
+    ];
+    for (written, expected) in table {
+        for channel in 0..3 {
+            let mut pixel = [0.0, 0.0, 0.0, 1.0];
+            pixel[channel] = written;
+            let image = Image { width: 1, height: 1, pixels: vec![pixel] };
+            let bytes = encode(&image, Format::Hdr).unwrap();
+            pixel[channel] = expected;
+            let back = Image::from(decode(&bytes, Format::Hdr).unwrap());
+            assert_eq!(back.pixels, [pixel], "{written}");
+        }
+    }
+}
+
+#[test]
 fn the_content_of_a_file_decides_on_its_format() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("named.png");

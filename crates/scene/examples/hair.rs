@@ -44,10 +44,14 @@ struct Fibre {
 
 fn fibre(scene: &Scene, hit: &SceneHit) -> Fibre {
     // The derivative by `u`, which runs from the first end of a segment to the second. It lies on
-    // the surface, so in a tapered segment it leans towards the axis.
+    // the surface, so in a tapered segment it leans towards the axis. That of a vanilla line is
+    // zero; there the normal is the tangent.
     let (along_segment, _) = scene.eval_tangents(hit.instance, hit.element, hit.uv);
+    let tangent = along_segment
+        .try_normalize()
+        .unwrap_or_else(|| scene.eval_normal(hit.instance, hit.element, hit.uv));
     let texcoord = scene.eval_texcoord(hit.instance, hit.element, hit.uv);
-    Fibre { tangent: along_segment.normalize(), along: texcoord.x, strand: texcoord.y as u32 }
+    Fibre { tangent, along: texcoord.x, strand: texcoord.y as u32 }
 }
 
 pub(crate) fn main() {

@@ -10,7 +10,7 @@ pub struct Camera {
     pub name: String,
     /// A rigid frame: right is +x, up is +y, and the view runs along -z.
     pub world_from_camera: Affine3A,
-    /// Parallel rays. The region shown is the film, scaled by `1 / lens`.
+    /// Orthographic projection: the longer side shows `film / lens` meters.
     pub orthographic: bool,
     /// Focal length in meters.
     pub lens: f32,

@@ -3,7 +3,7 @@
 use crate::ElementKind;
 use std::{error::Error, fmt};
 
-/// Why a scene is not valid, or trees cannot be refitted to it: names the item, the element or
+/// Why a scene is not valid, or trees or lights do not fit it: names the item, the element or
 /// vertex, and the value.
 ///
 /// The message is complete, so [`Error::source`] is `None`.
@@ -45,8 +45,8 @@ pub enum SceneError {
     },
     /// The number of pixels is not width times height.
     PixelCount { texture: SceneItem, width: u32, height: u32, pixels: usize },
-    /// A pixel that is not finite.
-    PixelValue { texture: SceneItem, x: usize, y: usize, value: String },
+    /// A pixel that is not finite, or negative in a texture of emission.
+    PixelValue { texture: SceneItem, x: usize, y: usize, value: String, expected: &'static str },
     /// Not four bytes for each pixel of a texture.
     ByteCount { width: u32, height: u32, bytes: usize },
     /// More elements than a tree holds.
@@ -54,6 +54,9 @@ pub enum SceneError {
     /// Refitting is impossible: the scene does not have as many items or elements as the one that
     /// the trees were built from.
     Changed { item: Option<SceneItem>, what: &'static str, before: usize, now: usize },
+    /// As [`Self::Changed`], of the lights that a renderer built from a scene rather than the
+    /// trees.
+    LightsChanged { item: Option<SceneItem>, what: &'static str, before: usize, now: usize },
 }
 
 /// An item of a scene, for messages: prints as in `shapes[3] "hair"`.
@@ -103,11 +106,11 @@ impl fmt::Display for SceneError {
             Self::PixelCount { texture, width, height, pixels } => {
                 write!(f, "{texture}: is {width} x {height}, but has {pixels} pixels")
             }
-            Self::PixelValue { texture, x, y, value } => {
-                write!(f, "{texture}: pixel ({x}, {y}) is {value}, expected finite numbers")
+            Self::PixelValue { texture, x, y, value, expected } => {
+                write!(f, "{texture}: pixel ({x}, {y}) is {value}, expected {expected}")
             }
             Self::ByteCount { width, height, bytes } => {
-                let expected = 4 * u64::from(*width) * u64::from(*height);
+                let expected = 4 * u128::from(*width) * u128::from(*height);
                 write!(f, "a texture of {width} x {height} pixels needs {expected} bytes, ")?;
                 write!(f, "four for each pixel, and not {bytes}")
             }
@@ -115,14 +118,29 @@ impl fmt::Display for SceneError {
                 write!(f, "{shape}: has {count} {kind}, but a tree holds at most {limit}")
             }
             Self::Changed { item, what, before, now } => {
-                match item {
-                    Some(item) => write!(f, "{item}: has")?,
-                    None => write!(f, "the scene has")?,
-                }
-                write!(f, " {now} {what}, but the trees were built from {before}: build new trees")
+                changed(f, item.as_ref(), what, *before, *now, "trees")
+            }
+            Self::LightsChanged { item, what, before, now } => {
+                changed(f, item.as_ref(), what, *before, *now, "lights")
             }
         }
     }
+}
+
+/// Prints that something built from a scene does not fit it any more.
+fn changed(
+    f: &mut fmt::Formatter<'_>,
+    item: Option<&SceneItem>,
+    what: &str,
+    before: usize,
+    now: usize,
+    built: &str,
+) -> fmt::Result {
+    match item {
+        Some(item) => write!(f, "{item}: has")?,
+        None => write!(f, "the scene has")?,
+    }
+    write!(f, " {now} {what}, but the {built} were built from {before}: build new {built}")
 }
 
 impl Error for SceneError {}

@@ -48,8 +48,8 @@ impl SceneHit {
     }
 
     /// Returns the ray from this point towards `point`, which is at `t = 1`, for visibility tests.
-    /// It starts as [`Self::spawn`] does, and ends just before `point`, so that a surface there does
-    /// not count: [`Hit::spawn_to`] states the distance and its limits.
+    /// It starts as [`Self::spawn`] does, and ends just before `point`, so that a surface there
+    /// does not count: [`Hit::spawn_to`] states the distance and its limits.
     #[must_use]
     #[inline]
     pub fn spawn_to(&self, point: Vec3) -> Ray {

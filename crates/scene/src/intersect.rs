@@ -17,8 +17,8 @@ use rotund_geometry::{Hit, Ray};
 /// The trees hold copies of the geometry and serve either [`crate::Method`], so methods, materials
 /// and textures may change freely, with one exception: trees know the shapes that are one body into
 /// which one can see (see [`crate::Overlap`]), so call [`Trees::refit`] where a material of points
-/// or lines becomes opaque or ceases to be. After vertices, radii or frames moved, call [`Trees::refit`];
-/// after shapes, elements or instances were added or removed, build new trees.
+/// or lines becomes opaque or ceases to be. After vertices, radii or frames moved, call
+/// [`Trees::refit`]; after shapes, elements or instances were added or removed, build new trees.
 #[derive(Clone, Debug)]
 pub struct Trees {
     /// The tree over `placements`.
@@ -76,9 +76,9 @@ impl Trees {
     }
 
     /// Refits the trees to a scene whose vertices, radii or frames changed, which is faster than
-    /// building new ones. Answers are those of new trees. Bounds are recomputed and the topology
-    /// stays, so queries become slower as neighbours move apart; build new trees once that costs
-    /// more than a build.
+    /// building new ones. Queries return the same hits as newly built trees. Bounds are recomputed
+    /// and the topology stays, so queries become slower as neighbours move apart; build new trees
+    /// once that costs more than a build.
     ///
     /// Elements may also name other vertices, and instances other shapes.
     ///

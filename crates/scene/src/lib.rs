@@ -58,29 +58,27 @@
 //! the usual approximations. It can be changed at any time.
 //!
 //! ```
-//! use rotund_geometry::glam::{Vec2, vec2};
-//! use rotund_scene::{ElementKind, LoadOptions, Method, Trees, load};
+//! use rotund_geometry::{Ray, glam::Vec3};
+//! use rotund_scene::{ElementKind, Material, Method, Scene, SceneError, Shape, Trees};
 //!
-//! let mut scene = load("../../scenes/shapes4.json", &LoadOptions::default())?.scene;
+//! let mut scene = Scene::default();
+//! scene.add(Shape::points([Vec3::ZERO], 1.0), Material::default());
 //! let trees = Trees::build(&scene)?;
-//! // A ray through the middle of the thick points.
-//! let ray = scene.cameras[1].ray(vec2(0.5, 0.47), Vec2::ZERO);
-//! for method in [Method::Vanilla, Method::Enhanced] {
+//! let ray = Ray::new(Vec3::new(0.6, 0.0, 5.0), Vec3::NEG_Z);
+//! // A vanilla point is a disk that faces the ray, an enhanced one a sphere.
+//! for (method, t) in [(Method::Vanilla, 5.0), (Method::Enhanced, 4.2)] {
 //!     scene.set_method(ElementKind::Points, method);
-//!     if let Some(hit) = trees.closest(&scene, &ray) {
-//!         let material = scene.eval_material(hit.instance, hit.element, hit.uv);
-//!         let normal = scene.shading_normal(&hit, -ray.direction);
-//!         assert!(normal.dot(ray.direction) < 0.0 && material.opacity == 1.0);
-//!     }
+//!     let hit = trees.closest(&scene, &ray).expect("both are met");
+//!     assert!((hit.t - t).abs() < 1e-6, "{method}: {}", hit.t);
 //! }
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), SceneError>(())
 //! ```
 //!
 //! # Features
 //!
-//! `load`, on by default, adds [`load`] and [`load_bytes`] with their readers of JSON, PLY, OBJ,
-//! SWC, TCK, TRK and images. Without it the crate depends on Rotund's geometry, trees and colour
-//! conversions, `glam` and `rayon` alone.
+//! `load`, on by default, adds the functions `load` and `load_bytes` with their readers of JSON,
+//! PLY, OBJ, SWC, TCK, TRK and images. Without it the crate depends on Rotund's geometry, trees and
+//! colour conversions, `glam` and `rayon` alone.
 
 mod camera;
 mod environment;
@@ -102,6 +100,7 @@ mod shape;
 mod shape_tree;
 mod texture;
 mod tiles;
+mod unions;
 mod validate;
 
 pub use camera::Camera;

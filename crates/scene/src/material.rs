@@ -30,7 +30,7 @@ pub struct Material {
     /// Emitted radiance, from both sides.
     pub emission: Vec3,
     /// Albedo, reflectance at normal incidence, or transmittance over [`Material::trdepth`], by the
-    /// kind of the material.
+    /// kind of the material. `0.0..=1.0`: a larger one, which is not refused, creates energy.
     pub color: Vec3,
     /// Perceptual roughness, `0.0..=1.0`; its square is the width of the microfacet distribution.
     pub roughness: f32,
@@ -38,8 +38,8 @@ pub struct Material {
     pub ior: f32,
     /// Distance in meters over which `color` is the transmittance inside a solid or medium.
     pub trdepth: f32,
-    /// Single-scattering albedo of the medium inside: the fraction of the extinguished light that
-    /// is scattered rather than absorbed. Scene files call it `scattering`.
+    /// Single-scattering albedo of the medium inside, `0.0..=1.0`: the fraction of the extinguished
+    /// light that is scattered rather than absorbed. Scene files call it `scattering`.
     pub albedo: Vec3,
     /// Mean cosine of the scattering angle inside, strictly between -1 and 1; positive is forward
     /// scattering. Scene files call it `scanisotropy`.

@@ -1,8 +1,8 @@
 //! Placements: instances prepared for ray queries, where small neighbours share a tree.
 
 use crate::{
-    ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame, overlap::Unions,
-    shape_tree::ShapeTree,
+    ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame, shape_tree::ShapeTree,
+    unions::Unions,
 };
 use glam::Affine3A;
 use rayon::prelude::*;

@@ -16,11 +16,12 @@ impl Scene {
     ///   textures in materials and environments.
     /// - Normals, texture coordinates, colours and radii are absent or one for each position.
     ///   Points and lines have radii. There are no more points than positions.
-    /// - Numbers are finite. Radii, colours, emission and albedo are not negative. Roughness and
-    ///   opacity are between 0 and 1, anisotropy strictly between -1 and 1. Indices of refraction,
+    /// - Numbers are finite. Radii, colours and emission are not negative. Roughness, opacity and
+    ///   albedo are between 0 and 1, anisotropy strictly between -1 and 1. Indices of refraction,
     ///   transmission depths, and the lens, film, aspect and focus of cameras are positive.
     /// - Frames have inverses.
-    /// - Textures have as many pixels as their size says, and at least one.
+    /// - Textures have as many pixels as their size says, and at least one. Those of emission have
+    ///   no negative red, green or blue.
     ///
     /// It reads every array once, on all threads of the current rayon pool: tens of milliseconds
     /// for ten million points, a few percent of the time that their tree takes.
@@ -32,10 +33,24 @@ impl Scene {
     pub fn validate(&self) -> Result<(), SceneError> {
         first_error(&self.cameras, camera)?;
         first_error(&self.environments, |i, environment| self.environment(i, environment))?;
-        first_error(&self.textures, texture)?;
+        let of_emission = self.textures_of_emission();
+        first_error(&self.textures, |i, it| texture(i, it, of_emission[i]))?;
         first_error(&self.materials, |i, material| self.material(i, material))?;
         first_error(&self.shapes, shape)?;
         first_error(&self.instances, |i, instance| self.instance(i, instance))
+    }
+
+    /// Returns for each texture whether it scales an emission.
+    fn textures_of_emission(&self) -> Vec<bool> {
+        let mut of_emission = vec![false; self.textures.len()];
+        let environments = self.environments.iter().map(|it| it.emission_tex);
+        for index in environments.chain(self.materials.iter().map(|it| it.emission_tex)).flatten() {
+            // An index out of range is the mistake of another item.
+            if let Some(it) = of_emission.get_mut(index as usize) {
+                *it = true;
+            }
+        }
+        of_emission
     }
 
     fn environment(&self, index: usize, environment: &Environment) -> Result<(), SceneError> {
@@ -52,7 +67,12 @@ impl Scene {
         number(&item, "roughness", material.roughness, "between 0 and 1", in_unit)?;
         number(&item, "ior", material.ior, POSITIVE, |x| x > 0.0)?;
         number(&item, "trdepth", material.trdepth, POSITIVE, |x| x > 0.0)?;
-        color(&item, "albedo", material.albedo)?;
+        let albedo = material.albedo;
+        if !(albedo.cmpge(Vec3::ZERO).all() && albedo.cmple(Vec3::ONE).all()) {
+            let (field, value, expected) =
+                ("albedo", listed(albedo.as_ref()), "numbers from 0 to 1");
+            return Err(SceneError::Value { item: item(), field, value, expected });
+        }
         let expected = "between -1 and 1, both excluded";
         number(&item, "anisotropy", material.anisotropy, expected, |x| x.abs() < 1.0)?;
         number(&item, "opacity", material.opacity, "between 0 and 1", in_unit)?;
@@ -80,7 +100,7 @@ impl Scene {
     }
 }
 
-const POSITIVE: &str = "a positive number";
+const POSITIVE: &str = "a positive finite number";
 
 pub(crate) fn item(array: &'static str, index: usize, name: &str) -> SceneItem {
     SceneItem { array, index, name: name.to_owned() }
@@ -97,15 +117,22 @@ fn first_error<T: Sync>(
 
 fn camera(index: usize, camera: &Camera) -> Result<(), SceneError> {
     let item = || item("cameras", index, &camera.name);
+    if !camera.world_from_camera.is_finite() {
+        let value = listed(&camera.world_from_camera.to_cols_array());
+        let expected = "finite numbers; `Camera::look_at` returns others if `eye` is `target`, or \
+                        `up` is zero or parallel to the view";
+        let field = "world_from_camera";
+        return Err(SceneError::Value { item: item(), field, value, expected });
+    }
     frame(&item, "world_from_camera", &camera.world_from_camera)?;
     number(&item, "lens", camera.lens, POSITIVE, |x| x > 0.0)?;
     number(&item, "film", camera.film, POSITIVE, |x| x > 0.0)?;
     number(&item, "aspect", camera.aspect, POSITIVE, |x| x > 0.0)?;
     number(&item, "focus", camera.focus, POSITIVE, |x| x > 0.0)?;
-    number(&item, "aperture", camera.aperture, "a number that is not negative", |x| x >= 0.0)
+    number(&item, "aperture", camera.aperture, "a finite number that is not negative", |x| x >= 0.0)
 }
 
-fn texture(index: usize, texture: &Texture) -> Result<(), SceneError> {
+fn texture(index: usize, texture: &Texture, of_emission: bool) -> Result<(), SceneError> {
     let Texture { name, width, height, pixels } = texture;
     let item = || item("textures", index, name);
     for (field, size) in [("width", *width), ("height", *height)] {
@@ -128,15 +155,20 @@ fn texture(index: usize, texture: &Texture) -> Result<(), SceneError> {
         return Err(SceneError::PixelCount { texture, width, height, pixels: count });
     }
     let Pixels::Floats(floats) = pixels else { return Ok(()) };
-    match first(floats, |pixel| !Vec4::from_array(*pixel).is_finite()) {
-        None => Ok(()),
-        Some(i) => Err(SceneError::PixelValue {
-            texture: item(),
-            x: i % *width as usize,
-            y: i / *width as usize,
-            value: listed(&floats[i]),
-        }),
+    let refused = |bad: Option<usize>, expected| {
+        bad.map_or(Ok(()), |i| {
+            let (x, y) = (i % *width as usize, i / *width as usize);
+            let (texture, value) = (item(), listed(&floats[i]));
+            Err(SceneError::PixelValue { texture, x, y, value, expected })
+        })
+    };
+    let infinite = first(floats, |pixel| !Vec4::from_array(*pixel).is_finite());
+    refused(infinite, "finite numbers")?;
+    if !of_emission {
+        return Ok(());
     }
+    let dark = first(floats, |&[r, g, b, _]| Vec3::new(r, g, b).cmplt(Vec3::ZERO).any());
+    refused(dark, "an emission that is not negative")
 }
 
 /// Checks the arrays of a shape.
@@ -192,7 +224,7 @@ pub(crate) fn shape(index: usize, shape: &Shape) -> Result<(), SceneError> {
     let expected = "finite numbers that are not negative";
     values(&item, "colors", &shape.colors, expected, is_color, |c| listed(c.as_ref()))?;
     let expected = "a finite number that is not negative";
-    values(&item, "radii", &shape.radii, expected, is_radius, f32::to_string)
+    values(&item, "radii", &shape.radii, expected, is_radius, |r| short(*r))
 }
 
 /// Refuses the first value of an array that does not fit.
@@ -255,7 +287,7 @@ fn number(
     if value.is_finite() && fits(value) {
         return Ok(());
     }
-    Err(SceneError::Value { item: item(), field, value: value.to_string(), expected })
+    Err(SceneError::Value { item: item(), field, value: short(value), expected })
 }
 
 fn color(item: &dyn Fn() -> SceneItem, field: &'static str, color: Vec3) -> Result<(), SceneError> {
@@ -274,10 +306,13 @@ fn frame(
     if is_invertible(frame) {
         return Ok(());
     }
-    let (value, expected) =
-        (listed(&frame.to_cols_array()), "three independent axes and an origin");
+    let (value, expected) = (listed(&frame.to_cols_array()), INVERTIBLE);
     Err(SceneError::Value { item: item(), field, value, expected })
 }
+
+/// What [`is_invertible`] demands, for messages.
+pub(crate) const INVERTIBLE: &str = "finite numbers and a finite inverse: three independent axes, of \
+                                     neither extremely small nor large scale";
 
 /// Returns true if the frame and its inverse are finite in `f32`.
 pub(crate) fn is_invertible(frame: &Affine3A) -> bool {
@@ -299,8 +334,14 @@ pub(crate) fn is_color(color: &Vec4) -> bool {
 
 /// Prints numbers as in `(0.5, NaN, 1)`.
 pub(crate) fn listed(numbers: &[f32]) -> String {
-    let numbers: Vec<_> = numbers.iter().map(f32::to_string).collect();
+    let numbers: Vec<_> = numbers.iter().map(|&number| short(number)).collect();
     format!("({})", numbers.join(", "))
+}
+
+/// Prints a number, with an exponent where it would have many zeros.
+pub(crate) fn short(number: f32) -> String {
+    let plain = number.to_string();
+    if plain.len() > 12 { format!("{number:e}") } else { plain }
 }
 
 /// Returns the index of the first bad value.

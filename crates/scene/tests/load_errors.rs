@@ -63,7 +63,8 @@ fn bad_scenes() {
     let rest = |rest: &str| scene("shape.ply", &format!(", {rest}"));
     let table: &[(&str, String, &[&str])] = &[
         // what is wrong                 the file                         what the message names
-        ("not JSON", "{ nonsense".into(), &["scene.json", "line 1"]),
+        ("not JSON", "{ nonsense".into(), &["scene.json: is not JSON: ", "line 1"]),
+        ("junk", "junk".into(), &["scene.json: is not JSON: expected a value at line 1 column 1"]),
         ("cut off", rest("\"cameras\": [{ \"lens\": 0.0"), &["scene.json", "cameras", "EOF"]),
         ("empty", String::new(), &["scene.json", "line 1"]),
         ("something after the end", format!("{} []", scene("shape.ply", "")), &["trailing"]),
@@ -210,8 +211,8 @@ fn bad_shapes() {
     const LINE: [&str; 2] = ["element line 1", "property list uchar int vertex_indices"];
     const POINT: [&str; 2] = ["element point 1", "property list uchar int vertex_indices"];
     let table: &[(&str, String, &[&str])] = &[
-        ("empty", String::new(), &["line 1", "no end"]),
-        ("not PLY", "solid cube\n".into(), &["line 1", "\"ply\""]),
+        ("empty", String::new(), &["is not a PLY file", "start with a line `ply`"]),
+        ("not PLY", "solid cube\n".into(), &["is not a PLY file", "start with a line `ply`"]),
         ("a header without an end", "ply\nformat ascii 1.0\n".into(), &["line 3", "no end"]),
         ("no format", "ply\nend_header\n".into(), &["line 2", "format"]),
         (

@@ -156,3 +156,9 @@ fn a_polyline_or_polygon_of_any_length_is_one_list() {
     let hair = loaded("hair.ply", &bytes).expect("a long polyline");
     assert_eq!(hair.scene.shapes[1].elements.count(), count as usize - 1);
 }
+
+#[test]
+fn an_empty_path_is_visible_in_the_message() {
+    let message = load("", &LoadOptions::default()).map(drop).expect_err("no file").to_string();
+    assert!(message.starts_with("\"\": cannot be read: "), "{message}");
+}

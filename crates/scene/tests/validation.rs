@@ -38,6 +38,13 @@ fn a_scene_with_items_of_every_kind_is_valid() {
     assert!(Trees::build(&Scene::default()).is_ok(), "no instances are no mistake");
 }
 
+/// Returns a picture of 2 x 2 white pixels but the last.
+fn sky(last: [f32; 4]) -> Texture {
+    let mut pixels = vec![[1.0; 4]; 4];
+    pixels[3] = last;
+    Texture { name: "sky".into(), width: 2, height: 2, pixels: Pixels::Floats(pixels) }
+}
+
 #[test]
 fn errors_name_item_element_and_value() {
     type Mistake = fn(&mut Scene);
@@ -53,12 +60,14 @@ fn errors_name_item_element_and_value() {
         (
             |s| s.instances[3].world_from_object = Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)),
             "instances[3]: world_from_object is (1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0), \
-             expected three independent axes and an origin",
+             expected finite numbers and a finite inverse: three independent axes, of neither \
+             extremely small nor large scale",
         ),
         (
             |s| s.instances[0].world_from_object.translation.y = f32::NAN,
             "instances[0]: world_from_object is (1, 0, 0, 0, 1, 0, 0, 0, 1, 0, NaN, 0), \
-             expected three independent axes and an origin",
+             expected finite numbers and a finite inverse: three independent axes, of neither \
+             extremely small nor large scale",
         ),
         (
             |s| s.materials[0].color_tex = Some(2),
@@ -77,10 +86,10 @@ fn errors_name_item_element_and_value() {
             |s| s.materials[1].roughness = 1.5,
             "materials[1]: roughness is 1.5, expected between 0 and 1",
         ),
-        (|s| s.materials[1].ior = 0.0, "materials[1]: ior is 0, expected a positive number"),
+        (|s| s.materials[1].ior = 0.0, "materials[1]: ior is 0, expected a positive finite number"),
         (
             |s| s.materials[1].trdepth = f32::INFINITY,
-            "materials[1]: trdepth is inf, expected a positive number",
+            "materials[1]: trdepth is inf, expected a positive finite number",
         ),
         (
             |s| s.materials[1].anisotropy = 1.0,
@@ -92,28 +101,72 @@ fn errors_name_item_element_and_value() {
         ),
         (
             |s| s.cameras[0].aspect = 0.0,
-            "cameras[0] \"front\": aspect is 0, expected a positive number",
+            "cameras[0] \"front\": aspect is 0, expected a positive finite number",
         ),
         (
             |s| s.cameras[0].lens = f32::NAN,
-            "cameras[0] \"front\": lens is NaN, expected a positive number",
+            "cameras[0] \"front\": lens is NaN, expected a positive finite number",
         ),
         (
             |s| s.cameras[0].film = -0.1,
-            "cameras[0] \"front\": film is -0.1, expected a positive number",
+            "cameras[0] \"front\": film is -0.1, expected a positive finite number",
         ),
         (
             |s| s.cameras[0].focus = 0.0,
-            "cameras[0] \"front\": focus is 0, expected a positive number",
+            "cameras[0] \"front\": focus is 0, expected a positive finite number",
         ),
         (
             |s| s.cameras[0].aperture = -1.0,
-            "cameras[0] \"front\": aperture is -1, expected a number that is not negative",
+            "cameras[0] \"front\": aperture is -1, expected a finite number that is not negative",
         ),
         (
             |s| s.cameras[0].world_from_camera.matrix3 = Mat3A::ZERO,
             "cameras[0] \"front\": world_from_camera is (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0), \
-             expected three independent axes and an origin",
+             expected finite numbers and a finite inverse: three independent axes, of neither \
+             extremely small nor large scale",
+        ),
+        (
+            |s| {
+                s.cameras[0] = Camera::look_at(Vec3::ONE, Vec3::ONE, Vec3::Y);
+            },
+            "cameras[0]: world_from_camera is \
+             (NaN, NaN, NaN, NaN, NaN, NaN, NaN, NaN, NaN, 1, 1, 1), expected finite numbers; \
+             `Camera::look_at` returns others if `eye` is `target`, or `up` is zero or parallel to \
+             the view",
+        ),
+        (
+            |s| s.instances[0].world_from_object = Affine3A::from_scale(Vec3::splat(1e30)),
+            "instances[0]: world_from_object is (1e30, 0, 0, 0, 1e30, 0, 0, 0, 1e30, 0, 0, 0), \
+             expected finite numbers and a finite inverse: three independent axes, of neither \
+             extremely small nor large scale",
+        ),
+        (
+            |s| s.cameras[0].focus = f32::INFINITY,
+            "cameras[0] \"front\": focus is inf, expected a positive finite number",
+        ),
+        (
+            |s| s.materials[1].albedo.y = 1.5,
+            "materials[1]: albedo is (0, 1.5, 0), expected numbers from 0 to 1",
+        ),
+        (
+            |s| s.materials[1].albedo.z = f32::NAN,
+            "materials[1]: albedo is (0, 0, NaN), expected numbers from 0 to 1",
+        ),
+        (
+            |s| {
+                s.textures[1] = sky([0.0, -0.5, 1.0, 1.0]);
+                s.environments[0].emission_tex = Some(1);
+            },
+            "textures[1] \"sky\": pixel (1, 1) is (0, -0.5, 1, 1), \
+             expected an emission that is not negative",
+        ),
+        (
+            |s| {
+                s.textures[1] = sky([-1e-20, 0.0, 1.0, 1.0]);
+                s.materials[0].emission_tex = Some(1);
+            },
+            "textures[1] \"sky\": pixel (1, 1) is (-1e-20, 0, 1, 1), \
+             expected an emission that is not negative",
         ),
         (
             |s| s.shapes[0].elements = Elements::Points(5),
@@ -228,7 +281,9 @@ fn bytes_of_a_texture_are_four_for_each_pixel() {
         let error = Texture::from_rgba8(2, 2, &vec![0; bytes]).expect_err("too few or too many");
         assert_eq!(error, SceneError::ByteCount { width: 2, height: 2, bytes });
     }
-    assert!(Texture::from_rgba8(u32::MAX, u32::MAX, &[]).is_err(), "no overflow");
+    let huge = Texture::from_rgba8(u32::MAX, u32::MAX, &[]).expect_err("no overflow").to_string();
+    let bytes = (4 * (u128::from(u32::MAX)).pow(2)).to_string();
+    assert!(huge.contains(&format!("needs {bytes} bytes")), "{huge}");
     assert_eq!(Texture::default().color(Vec2::splat(0.3)), Vec4::ONE);
 }
 

@@ -1,4 +1,4 @@
-//! An integrator of one's own: ambient occlusion, the share of the hemisphere above a point that
+//! A custom integrator: ambient occlusion, the share of the hemisphere above a point that
 //! nothing blocks within a distance. It shows contacts and creases without any light.
 //!
 //! ```text

@@ -8,7 +8,7 @@ use rotund_scene::Camera;
 /// Returns the ray of a sample of pixel `(x, y)` in a picture of `width` x `height`, of unit
 /// direction: through a random point of the pixel and of the lens.
 ///
-/// It consumes set 0 of the sampler, so an integrator of one's own begins with set 1.
+/// It consumes set 0 of the sampler, so a custom integrator begins with set 1.
 #[must_use]
 pub fn camera_ray(
     camera: &Camera,

@@ -11,7 +11,8 @@ pub enum RenderError {
     NoCamera { camera: usize, count: usize },
     #[error("option `{field}` is 0; it must be at least 1")]
     Zero { field: &'static str },
-    #[error("shard {index} is out of range: {count} shards are counted from 0")]
+    /// Fields count shards from 0, the message from 1.
+    #[error("there is no shard {}/{count}", u64::from(*index) + 1)]
     Shard { index: u32, count: u32 },
     #[error("option `clamp` is {clamp}; it must be a positive number")]
     Clamp { clamp: f32 },

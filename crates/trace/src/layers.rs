@@ -1,13 +1,14 @@
 //! Auxiliary pictures of the surfaces that a camera sees first.
 
 use crate::context::Context;
+use crate::film::room;
 use crate::{Options, RenderError, Sampler, World, camera_ray};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use rotund_scene::Camera;
 
-/// Auxiliary pictures of the first surfaces, for compositing and denoising; row by row from the
-/// top.
+/// Auxiliary pictures (AOVs) of the first surfaces, for compositing and denoising; row by row from
+/// the top.
 #[derive(Clone, Debug)]
 pub struct Layers {
     /// Pixels in a row.
@@ -41,14 +42,15 @@ struct Pixel {
 }
 
 impl World<'_> {
-    /// Returns the layers of a picture. Of the options, size, seed, sequence and up to 16 samples
-    /// count.
+    /// Returns the layers of a picture. Uses only these options: `width`, `height`, `seed`,
+    /// `sequence`, and `samples` up to 16.
     ///
     /// Positions are those of the scene: [`Options::recenter`] has no effect.
     ///
     /// # Errors
     ///
-    /// If the scene has no such camera, or [`Options::validate`] refuses the options.
+    /// If the scene has no such camera, [`Options::validate`] refuses the options, or the layers do
+    /// not fit into memory.
     pub fn layers(&self, camera: usize, options: &Options) -> Result<Layers, RenderError> {
         let camera = self.camera(camera)?;
         options.validate()?;
@@ -58,17 +60,27 @@ impl World<'_> {
             let (x, y) = ((index % width as usize) as u32, (index / width as usize) as u32);
             layers_of_pixel(&context, camera, options, x, y)
         };
-        let count = width as usize * height as usize;
-        let pixels: Vec<Pixel> = (0..count).into_par_iter().map(pixel).collect();
-        Ok(Layers {
+        // All memory first: a size that does not fit is refused before the work and not after it.
+        let mut pixels: Vec<Pixel> = room(width, height)?;
+        let mut layers = Layers {
             width,
             height,
-            albedo: pixels.iter().map(|pixel| pixel.albedo).collect(),
-            normal: pixels.iter().map(|pixel| pixel.normal).collect(),
-            depth: pixels.iter().map(|pixel| pixel.depth).collect(),
-            position: pixels.iter().map(|pixel| pixel.position).collect(),
-            ids: [0, 1, 2].map(|id| pixels.iter().map(|pixel| pixel.ids[id]).collect()),
-        })
+            albedo: room(width, height)?,
+            normal: room(width, height)?,
+            depth: room(width, height)?,
+            position: room(width, height)?,
+            ids: [room(width, height)?, room(width, height)?, room(width, height)?],
+        };
+        let count = width as usize * height as usize;
+        (0..count).into_par_iter().map(pixel).collect_into_vec(&mut pixels);
+        layers.albedo.extend(pixels.iter().map(|pixel| pixel.albedo));
+        layers.normal.extend(pixels.iter().map(|pixel| pixel.normal));
+        layers.depth.extend(pixels.iter().map(|pixel| pixel.depth));
+        layers.position.extend(pixels.iter().map(|pixel| pixel.position));
+        for (id, layer) in layers.ids.iter_mut().enumerate() {
+            layer.extend(pixels.iter().map(|pixel| pixel.ids[id]));
+        }
+        Ok(layers)
     }
 }
 

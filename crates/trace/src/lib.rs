@@ -2,11 +2,11 @@
 //!
 //! A [`World`] holds a scene with its trees and lights. [`World::render`] traces paths from a
 //! camera: at each vertex one direction is sampled from the [`Lights`] and one from the [`Bsdf`],
-//! joined by multiple importance sampling. The result is a [`Film`], whose sums are exact: any
+//! combined by multiple importance sampling. The result is a [`Film`], whose sums are exact: any
 //! order of samples, any number of threads, any interruption and any division into [`Shard`]s makes
 //! the same bits. [`output`] writes pictures and checkpoints.
 //!
-//! An integrator of one's own starts its paths with [`camera_ray`], takes its random numbers from a
+//! A custom integrator starts its paths with [`camera_ray`], takes its random numbers from a
 //! [`Sampler`], and fills a film by [`Film::accumulate`]; [`Lights`] shows how to combine light and
 //! BSDF samples. The examples of this crate have a whole one.
 //!

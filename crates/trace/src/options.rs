@@ -5,9 +5,13 @@ use crate::{RenderError, Sequence, Shard, View};
 /// The options of a render. Scene, camera and options together determine every bit of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Pixels in a row; [`rotund_scene::Camera::resolution`] gives the size of a camera's picture.
+    /// Pixels in a row.
+    ///
+    /// Width over height should be the aspect of the camera; otherwise the picture is stretched.
+    /// [`rotund_scene::Camera::resolution`] gives such a size. The default, 720 x 480, is that of
+    /// the default camera.
     pub width: u32,
-    /// Number of rows.
+    /// Number of rows; see [`Self::width`].
     pub height: u32,
     /// Samples per pixel, over all shards.
     pub samples: u32,
@@ -30,7 +34,7 @@ pub struct Options {
     /// environment still illuminates the scene, and reflections and refractions show it.
     pub transparent: bool,
     /// Moves the origin to the camera while rendering [`View::Path`], if the origin is so far away
-    /// that single-precision positions lose digits: at 10 km they are multiples of a millimeter.
+    /// that single-precision positions lose digits: at 10 km the spacing of `f32` is about 1 mm.
     /// Other views show positions of the scene, so they never move it.
     pub recenter: bool,
 }
@@ -39,7 +43,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             width: 720,
-            height: 405,
+            height: 480,
             samples: 64,
             bounces: 8,
             seed: 0,

@@ -20,8 +20,9 @@ impl World<'_> {
     /// Renders a picture with the threads of the current rayon pool, with progress and
     /// cancellation.
     ///
-    /// `progress` is called at least every 0.1 s, whatever the size of the picture. If it breaks,
-    /// the film has the samples taken so far, and [`Self::resume`] adds the others.
+    /// `progress` is called at least every 0.1 s, whatever the size of the picture. If it returns
+    /// [`ControlFlow::Break`], the film has the samples taken so far, and [`Self::resume`] adds the
+    /// others.
     ///
     /// The clock decides only when `progress` is called. The same samples make the same picture,
     /// bit for bit, on any number of threads, with any interruptions.
@@ -43,8 +44,8 @@ impl World<'_> {
 
     /// Adds to a film the samples that it lacks, as [`Self::render_with`] would have taken them.
     ///
-    /// A film with all samples of `options` or more stays as it is. The caller answers for scene,
-    /// camera and the other options, which must be those of the samples that the film has.
+    /// A film with all samples of `options` or more stays as it is. The film does not record scene,
+    /// camera and the other options; the caller must pass the same ones.
     ///
     /// # Errors
     ///
@@ -76,7 +77,7 @@ impl World<'_> {
 }
 
 fn check_film(film: &Film, options: &Options) -> Result<(), RenderError> {
-    let shard = |index: u32, count: u32| format!("{index} of {count}");
+    let shard = |index: u32, count: u32| format!("{}/{count}", index + 1);
     let fields = [
         ("width", film.width.to_string(), options.width.to_string()),
         ("height", film.height.to_string(), options.height.to_string()),

@@ -26,9 +26,22 @@ impl Shard {
         samples.saturating_sub(self.index).div_ceil(self.count.max(1))
     }
 
-    /// Returns the number in the whole picture of the `sample`-th sample of this shard.
+    /// Returns the number in the whole picture of the `sample`-th sample of this shard; for samples
+    /// from [`Self::share_of`] on, which no picture has, at most [`u32::MAX`].
     #[must_use]
     pub fn sample_index(self, sample: u32) -> u32 {
-        self.index + sample * self.count
+        self.index.saturating_add(sample.saturating_mul(self.count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shard;
+
+    #[test]
+    fn an_index_beyond_all_pictures_is_the_largest() {
+        let shard = Shard { index: 1, count: u32::MAX };
+        assert_eq!([0, 1, 5].map(|sample| shard.sample_index(sample)), [1, u32::MAX, u32::MAX]);
+        assert_eq!(Shard { index: 2, count: 3 }.sample_index(4), 14);
     }
 }

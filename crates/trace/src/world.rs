@@ -10,9 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A scene, the trees that rays are traced with, and the tables that lights are sampled with.
 ///
-/// [`Self::render`] and [`Self::layers`] make pictures of it. An integrator of one's own traces
-/// rays by [`Self::closest`] and [`Self::any`], samples [`Self::lights`], and fills a
-/// [`crate::Film`].
+/// [`Self::render`] and [`Self::layers`] make pictures of it. A custom integrator traces rays by
+/// [`Self::closest`] and [`Self::any`], samples [`Self::lights`], and fills a [`crate::Film`].
 ///
 /// A world borrows its scene, so it always fits. After an edit of the scene, make a new world: from
 /// nothing by [`Self::new`], or by [`Self::from_parts`] with trees that were refitted.
@@ -27,7 +26,11 @@ pub struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    /// Builds trees and lights on the threads of the current rayon pool.
+    /// Builds trees and lights on the threads of the current rayon pool. There is no progress
+    /// report before it returns.
+    ///
+    /// Memory, beyond that of the scene: enhanced points take about 70 bytes each at the peak, of
+    /// which 35 stay. An element that emits takes another 370 at the peak, of which 320 stay.
     ///
     /// # Errors
     ///

@@ -2,11 +2,14 @@
 
 mod support;
 
-use rotund_scene::{Scene, Trees};
+use glam::Vec3;
+use rotund_scene::{Material, Scene, Shape, Trees};
 use rotund_trace::output::{load_film, save_film, write_layers};
 use rotund_trace::{
-    Film, Image, Lights, MergeError, Options, Progress, RenderError, Shard, View, World,
+    Film, FilmError, Image, Layers, Lights, MergeError, Options, Progress, RenderError, Shard,
+    View, World,
 };
+use std::error::Error as _;
 use std::ops::ControlFlow;
 
 const OPTIONS: Options = Options {
@@ -124,6 +127,46 @@ fn progress_counts_samples_and_rays() {
 }
 
 #[test]
+fn lights_of_shapes_with_other_elements_are_refused() {
+    // Three glowing balls, of which one goes out.
+    let balls = |count: usize| {
+        let mut scene = support::glass_over_a_floor();
+        let glow = Material { emission: Vec3::ONE, ..Material::default() };
+        let centers: Vec<_> = (0..count).map(|i| Vec3::splat(i as f32)).collect();
+        let last = scene.add(Shape::points(centers, 0.1), glow);
+        scene.instances[last as usize].name = "lamps".into();
+        scene
+    };
+    let (before, now) = (balls(3), balls(2));
+    let lights = Lights::build(&before).expect("a valid scene");
+    let trees = Trees::build(&now).expect("a valid scene");
+    let error = World::from_parts(&now, &trees, &lights).expect_err("other lights").to_string();
+    assert_eq!(
+        error,
+        format!(
+            "instances[{}] \"lamps\": has 2 elements, but the lights were built from 3: \
+             build new lights",
+            now.instances.len() - 1
+        )
+    );
+    // Elements that do not emit have no tables, so they may change.
+    let mut more = before.clone();
+    more.shapes[0] = Shape::points(vec![Vec3::ZERO; 7], 0.1);
+    let trees = Trees::build(&more).expect("a valid scene");
+    World::from_parts(&more, &trees, &lights).expect("the same lights");
+}
+
+#[test]
+fn a_size_that_does_not_fit_into_memory_is_an_error() {
+    let scene = support::glass_over_a_floor();
+    let world = World::new(&scene).expect("a valid scene");
+    let huge = Options { width: u32::MAX, height: u32::MAX, ..OPTIONS };
+    let expected = FilmError::TooLarge { width: u32::MAX, height: u32::MAX };
+    assert_eq!(world.render(0, &huge), Err(expected.clone().into()));
+    assert_eq!(world.layers(0, &huge).map(drop), Err(expected.into()));
+}
+
+#[test]
 fn trees_and_lights_of_another_scene_are_refused() {
     let scene = support::glass_over_a_floor();
     let trees = Trees::build(&scene).expect("a valid scene");
@@ -133,10 +176,10 @@ fn trees_and_lights_of_another_scene_are_refused() {
     let mut other = scene.clone();
     other.instances.pop();
     let error = World::from_parts(&other, &trees, &lights).expect_err("other trees").to_string();
-    assert!(error.starts_with("the scene has 4 instances, but "), "{error}");
+    assert!(error.starts_with("the scene has 4 instances, but the trees "), "{error}");
     let trees = Trees::build(&other).expect("a valid scene");
     let error = World::from_parts(&other, &trees, &lights).expect_err("other lights").to_string();
-    assert!(error.starts_with("the scene has 4 instances, but "), "{error}");
+    assert!(error.starts_with("the scene has 4 instances, but the lights "), "{error}");
     other.materials[0].ior = f32::NAN;
     let error = World::new(&other).expect_err("no index of refraction").to_string();
     assert!(error.contains("materials[0]") && error.contains("ior"), "{error}");
@@ -152,11 +195,7 @@ fn what_cannot_be_rendered_is_refused_and_the_culprit_is_named() {
         (0, Options { height: 0, ..OPTIONS }, "option `height` is 0; it must be at least 1"),
         (0, Options { samples: 0, ..OPTIONS }, "option `samples` is 0; it must be at least 1"),
         (0, Options { bounces: 0, ..OPTIONS }, "option `bounces` is 0; it must be at least 1"),
-        (
-            0,
-            Options { shard: Shard { index: 2, count: 2 }, ..OPTIONS },
-            "shard 2 is out of range: 2 shards are counted from 0",
-        ),
+        (0, Options { shard: Shard { index: 2, count: 2 }, ..OPTIONS }, "there is no shard 3/2"),
         (
             0,
             Options { clamp: Some(f32::NAN), ..OPTIONS },
@@ -184,7 +223,7 @@ fn what_cannot_be_rendered_is_refused_and_the_culprit_is_named() {
         (Options { seed: 6, ..OPTIONS }, "seed is 5, that of the options 6"),
         (
             Options { shard: Shard { index: 1, count: 2 }, ..OPTIONS },
-            "shard is 0 of 1, that of the options 1 of 2",
+            "shard is 1/1, that of the options 2/2",
         ),
     ] {
         let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
@@ -266,4 +305,29 @@ fn a_picture_written_again_has_the_same_bytes() {
             assert!(bytes() == first, "{name} is another file");
         }
     }
+}
+
+#[test]
+fn layers_of_another_size_are_an_error_and_no_file() {
+    let scene = support::glass_over_a_floor();
+    let world = World::new(&scene).expect("a valid scene");
+    let layers = world.layers(0, &OPTIONS).expect("layers");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("layers.exr");
+    let refused = |image: &Image, layers: &Layers| {
+        let error = write_layers(&path, image, layers).expect_err("they do not fit");
+        assert!(!path.exists());
+        error.source().expect("a cause").to_string()
+    };
+    assert_eq!(
+        refused(&Image::new(32, 48), &layers),
+        "layers of 48 x 32 do not fit a picture of 32 x 48"
+    );
+    let image = Image::new(48, 32);
+    let mut short = layers.clone();
+    short.depth.pop();
+    assert_eq!(refused(&image, &short), "a layer `depth` of 48 x 32 holds 1535 pixels");
+    let short = Image { pixels: image.pixels[1..].to_vec(), ..image.clone() };
+    assert_eq!(refused(&short, &layers), "a picture of 48 x 32 holds 1535 pixels");
+    write_layers(&path, &image, &layers).expect("they fit");
 }

@@ -40,9 +40,10 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
             return None;
         }
         let block = &self.packed.blocks[best.block];
-        let hit = P::unpack(block, best.lane).exact_hit::<M>(self.ray);
-        debug_assert!(hit.is_some(), "a certain hit is one of the exact test");
-        Some(PrimitiveHit { id: best.id, hit: hit? })
+        // A certain hit is one of the exact test, unless its `t` is beyond the range of `f32`, as
+        // with directions shorter than 1e-30. Then the exact test decides: there is none.
+        let hit = P::unpack(block, best.lane).exact_hit::<M>(self.ray)?;
+        Some(PrimitiveHit { id: best.id, hit })
     }
 }
 
@@ -139,8 +140,8 @@ impl<S: Simd, P: Kernel, M: MethodTag> traverse::ClosestVisitor<S> for ClosestVi
             let best_t = match self.best.t {
                 Some(t) => t,
                 None => {
+                    // `None` only if `t` overflows; see `FindClosest`.
                     let t = self.exact(simd, self.best.block, self.best.lane);
-                    debug_assert!(t.is_some(), "a certain hit is one of the exact test");
                     let t = t.unwrap_or(f32::INFINITY);
                     (self.best.t, self.best.near) = (Some(t), self.near(t));
                     limit = limit.min(self.slab_ray.limit(t));

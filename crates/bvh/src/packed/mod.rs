@@ -14,6 +14,7 @@ mod flat;
 mod kernel;
 mod method_tag;
 mod patch;
+mod pieces;
 mod refit;
 mod report;
 mod round;

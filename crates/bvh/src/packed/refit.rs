@@ -15,8 +15,8 @@ impl<P: Kernel> Packed<P> {
     /// tree move apart, nodes grow and overlap, and rays visit more of them. Refit while primitives
     /// move together, or by a few of their sizes; build a new tree when queries have slowed down by
     /// more than a build costs. The expected cost of a ray is
-    /// [`Statistics::sah`](crate::Statistics::sah): `examples/capsules.rs` builds a new tree when it
-    /// has grown by half.
+    /// [`Statistics::sah`](crate::Statistics::sah): `examples/capsules.rs` builds a new tree when
+    /// it has grown by half.
     ///
     /// # Errors
     ///

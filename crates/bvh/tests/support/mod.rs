@@ -1,10 +1,13 @@
-//! Balls in double precision, the loop over all of them, and seeded random numbers.
-#![allow(dead_code, reason = "each test file uses a part of it")]
+//! Random primitives, balls in double precision, the loop over all of them, and seeded random
+//! numbers.
+#![allow(dead_code, unused_imports, reason = "each test file uses a part of it")]
 
+mod primitives;
 #[path = "../../../geometry/src/test_random.rs"]
 mod test_random;
 
 use glam::{DVec3, Vec3};
+pub(crate) use primitives::{cones, patches, spheres, triangles};
 use rotund_bvh::Bvh;
 use rotund_geometry::{Aabb, Ray};
 pub(crate) use test_random::Random;

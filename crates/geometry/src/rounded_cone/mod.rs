@@ -299,8 +299,8 @@ impl RoundedCone {
         Some([root(End::Entry)?, root(End::Exit)?])
     }
 
-    /// Returns a box that contains the shape and every position that [`Self::closest`] reports for a
-    /// ray that starts up to 2²⁶ sizes away.
+    /// Returns a box that contains the shape and every position that [`Self::closest`] reports for
+    /// a ray that starts up to 2²⁶ sizes away.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let (r0, r1) = (Vec3::splat(self.r0), Vec3::splat(self.r1));

@@ -3,9 +3,9 @@
 //! The letters and the derivation of the roots are those of the module `rounded_cone`.
 //!
 //! A point `x`, relative to `p0`, is in the ball `s` if `|x - s e|² - (r0 - s ρ)²` is not positive.
-//! That is `h - 2 s y + s² d2` with `h = x·x - r0²`. It is smallest at `s = y / d2`. So the point is
-//! in the solid if, for `y` below 0, `h` is not positive; for `y` above `d2`, `h - 2 y + d2` is not;
-//! and in between, `h d2 - y²` is not.
+//! That is `h - 2 s y + s² d2` with `h = x·x - r0²`. It is smallest at `s = y / d2`. So the point
+//! is in the solid if, for `y` below 0, `h` is not positive; for `y` above `d2`, `h - 2 y + d2` is
+//! not; and in between, `h d2 - y²` is not.
 
 use glam::{DVec3, Vec3};
 

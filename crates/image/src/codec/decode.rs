@@ -1,6 +1,6 @@
 //! Bytes to images.
 
-use super::error::DecodeError;
+use super::error::{DecodeError, one_line};
 use super::format::Format;
 use crate::{Image, linear_from_srgb, linear_from_srgb_table};
 use ::image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
@@ -103,7 +103,7 @@ fn plain(problem: String) -> String {
     if problem == "Memory limit exceeded" {
         return format!("the image has more than the {MAX_PIXELS} pixels supported");
     }
-    problem
+    one_line(&problem)
 }
 
 fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Decoded, String> {

@@ -1,6 +1,6 @@
 //! Images to bytes.
 
-use super::error::EncodeError;
+use super::error::{EncodeError, one_line};
 use super::format::Format;
 use crate::Image;
 use ::image::codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder};
@@ -30,6 +30,19 @@ pub fn encode(image: &Image, format: Format) -> Result<Vec<u8>, EncodeError> {
     Ok(bytes.into_inner())
 }
 
+/// Returns the colour of a pixel in the range of Radiance HDR. The library would wrap the exponents
+/// of other numbers around.
+fn rgbe_range([r, g, b, _]: [f32; 4]) -> ::image::Rgb<f32> {
+    /// The largest mantissa, 255/256, at the largest exponent, 255 - 128.
+    const LARGEST: f32 = 255.0 * (1_u128 << 119) as f32;
+    /// Below this power of two an exponent is 0, which stands for black, or less.
+    const SMALLEST: f32 = 0.25 * f32::MIN_POSITIVE;
+    let in_range = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST) };
+    let color = [r, g, b].map(in_range);
+    let black = color.iter().all(|&channel| channel < SMALLEST);
+    ::image::Rgb(if black { [0.0; 3] } else { color })
+}
+
 pub(super) fn encode_to(
     file: impl Write + Seek,
     image: &Image,
@@ -42,7 +55,7 @@ pub(super) fn encode_to(
         return Err(EncodeError { problem });
     }
     let size = (width as usize, height as usize);
-    let plain = |error: ::image::ImageError| EncodeError { problem: error.to_string() };
+    let plain = |error: ::image::ImageError| EncodeError { problem: one_line(&error.to_string()) };
     match format {
         Format::Png => {
             let bytes: Vec<u8> = image.srgb_bytes().into_iter().flatten().collect();
@@ -56,8 +69,7 @@ pub(super) fn encode_to(
             encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb8).map_err(plain)
         }
         Format::Hdr => {
-            let colors: Vec<_> =
-                pixels.iter().map(|&[r, g, b, _]| ::image::Rgb([r, g, b])).collect();
+            let colors: Vec<_> = pixels.iter().map(|&pixel| rgbe_range(pixel)).collect();
             HdrEncoder::new(file).encode(&colors, size.0, size.1).map_err(plain)
         }
         Format::Exr => {
@@ -67,7 +79,7 @@ pub(super) fn encode_to(
             });
             let layer = Layer::new(size, LayerAttributes::default(), EXR_ENCODING, channels);
             let written = ExrImage::from_layer(layer).write().to_buffered(file);
-            written.map_err(|error| EncodeError { problem: error.to_string() })
+            written.map_err(|error| EncodeError { problem: one_line(&error.to_string()) })
         }
     }
 }

@@ -46,3 +46,18 @@ pub enum WriteError {
     #[error("cannot write {}", path.display())]
     Encode { path: PathBuf, source: Box<dyn Error + Send + Sync> },
 }
+
+/// Joins the lines of a message: libraries break some.
+pub(super) fn one_line(message: &str) -> String {
+    let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    lines.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_message_is_one_line() {
+        assert_eq!(super::one_line("no image:\n  too wide\n\n"), "no image: too wide");
+        assert_eq!(super::one_line("too wide"), "too wide");
+    }
+}

@@ -38,7 +38,8 @@ impl Image {
     /// - `png`: sRGB with 8 bits per channel, clipped to `0.0..=1.0`, with alpha;
     /// - `jpg`, `jpeg`: the same without alpha, lossy, of quality 92;
     /// - `exr`: linear, 32 bits, with alpha;
-    /// - `hdr`: linear, 8 bits and a shared exponent, without alpha.
+    /// - `hdr`: linear, 8 bits and a shared exponent, without alpha. Channels are clipped to
+    ///   `0.0..=1.69e38`, and NaN becomes 0.
     ///
     /// The file appears under its name when it is complete, never before.
     ///

@@ -9,8 +9,8 @@ use glam::{Mat3A, Vec2, Vec3};
 use rotund_geometry::UNIT_ROUNDOFF;
 
 impl Scene {
-    /// Returns the shading normal of a point without regard to a viewer: of unit length, out of the
-    /// solid, neither turned to a viewer nor bounded for one. [`Self::shading_normal`] does both.
+    /// Returns the outward shading normal, neither flipped towards a viewer nor clamped; of unit
+    /// length. [`Self::shading_normal`] does both.
     ///
     /// That of vanilla points and lines depends on the viewer; here it is [`Self::eval_normal`].
     ///
@@ -31,18 +31,18 @@ impl Scene {
     /// | --- | --- | --- |
     /// | point | `outgoing` | sphere, normal map |
     /// | line | `outgoing`, orthogonal to the interpolated tangent | cone, normal map |
-    /// | triangle, quad | vertices or face, normal map | vertices or patch, normal map, bounded |
+    /// | triangle, quad | vertices or face, normal map | vertices or patch, normal map, clamped |
     ///
     /// The face normal of a vanilla quad is the mean of those of its two triangles. Vertex normals
     /// replace it if the shape has them.
     ///
     /// Normals of refractive surfaces keep their side, which distinguishes inside from outside; all
-    /// others are turned to the viewer.
+    /// others are flipped towards the viewer.
     ///
-    /// A normal is bounded if the mirror image of `outgoing` about it is not below the surface,
-    /// where no light can be reflected to; otherwise it is turned towards the geometric normal
-    /// until the mirror image is on the surface. Vanilla shapes do as yocto-gl does, which loses
-    /// such light.
+    /// Clamping: if the mirror image of `outgoing` about a normal is below the surface, where no
+    /// light can be reflected to, the normal is turned towards the geometric normal until the
+    /// mirror image is on the surface. Vanilla shapes skip this, as yocto-gl does, and lose that
+    /// energy.
     ///
     /// # Panics
     ///
@@ -115,7 +115,8 @@ impl Scene {
     /// The derivatives of a patch vary over it. Both triangles of a vanilla quad have those of the
     /// first, as in yocto-gl. Spheres and cones return the derivatives by their own parameters, so
     /// that the first one of a cone is the tangent along its profile, from the first end to the
-    /// second. Those of vanilla points and lines are zero.
+    /// second. Those of vanilla points and lines are zero: the tangent of a vanilla line is
+    /// [`Self::eval_normal`].
     ///
     /// # Panics
     ///

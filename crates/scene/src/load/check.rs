@@ -5,7 +5,7 @@ use super::{
     error::{LoadError, LoadProblem},
     format::{Frame, SceneFile},
 };
-use crate::validate::is_invertible;
+use crate::validate::{INVERTIBLE, is_invertible, short};
 
 /// Refuses numbers outside of their range, naming the field.
 pub(super) fn check(context: &mut Context<'_>, file: &SceneFile) -> Result<(), LoadError> {
@@ -20,11 +20,11 @@ fn numbers(file: &SceneFile) -> Result<(), LoadProblem> {
     for (i, (_, camera)) in file.cameras.items.iter().enumerate() {
         let field = |name: &str| format!("cameras[{i}].{name}");
         frame(field("frame"), camera.frame)?;
-        number(field("lens"), camera.lens, "a positive number", |x| x > 0.0)?;
-        number(field("film"), camera.film, "a positive number", |x| x > 0.0)?;
-        number(field("aspect"), camera.aspect, "a positive number", |x| x > 0.0)?;
+        number(field("lens"), camera.lens, POSITIVE, |x| x > 0.0)?;
+        number(field("film"), camera.film, POSITIVE, |x| x > 0.0)?;
+        number(field("aspect"), camera.aspect, POSITIVE, |x| x > 0.0)?;
         let focus = camera.focus.unwrap_or(1.0);
-        number(field("focus"), focus, "a positive number", |x| x > 0.0)?;
+        number(field("focus"), focus, POSITIVE, |x| x > 0.0)?;
         number(field("aperture"), camera.aperture, NOT_NEGATIVE, |x| x >= 0.0)?;
         if let Some(at) = camera.lookat {
             lookat(field("lookat"), at.frame())?;
@@ -44,9 +44,10 @@ fn numbers(file: &SceneFile) -> Result<(), LoadProblem> {
         color(field("color"), material.color)?;
         number(field("roughness"), material.roughness, UNIT, in_unit)?;
         number(field("opacity"), material.opacity, UNIT, in_unit)?;
-        number(field("ior"), material.ior, "a positive number", |x| x > 0.0)?;
-        number(field("trdepth"), material.trdepth, "a positive number", |x| x > 0.0)?;
-        color(field("scattering"), material.scattering)?;
+        number(field("ior"), material.ior, POSITIVE, |x| x > 0.0)?;
+        number(field("trdepth"), material.trdepth, POSITIVE, |x| x > 0.0)?;
+        let mut scattering = material.scattering.into_iter();
+        scattering.try_for_each(|c| number(field("scattering"), c, UNIT, in_unit))?;
         let anisotropy = material.scanisotropy;
         number(field("scanisotropy"), anisotropy, "between -1 and 1", |x| x.abs() < 1.0)?;
     }
@@ -60,7 +61,8 @@ fn numbers(file: &SceneFile) -> Result<(), LoadProblem> {
     Ok(())
 }
 
-const NOT_NEGATIVE: &str = "a number that is not negative";
+const POSITIVE: &str = "a positive finite number";
+const NOT_NEGATIVE: &str = "a finite number that is not negative";
 const UNIT: &str = "a number between 0 and 1";
 
 fn in_unit(x: f32) -> bool {
@@ -76,7 +78,7 @@ fn number(
     if value.is_finite() && fits(value) {
         return Ok(());
     }
-    Err(LoadProblem::Value { field, value: value.to_string(), expected })
+    Err(LoadProblem::Value { field, value: short(value), expected })
 }
 
 fn color(field: String, color: [f32; 3]) -> Result<(), LoadProblem> {
@@ -102,6 +104,6 @@ pub(super) fn frame(field: String, Frame(frame): Frame) -> Result<(), LoadProble
     Err(LoadProblem::Value {
         field,
         value: format!("{:?}", frame.to_cols_array()),
-        expected: "a frame with three independent axes",
+        expected: INVERTIBLE,
     })
 }

@@ -65,6 +65,7 @@ pub enum LoadProblem {
         field: String,
         uri: String,
     },
+    NotPly,
     PlyHeader {
         line: usize,
         problem: String,
@@ -134,7 +135,10 @@ impl Error for LoadError {}
 
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        match &self.path {
+            empty if empty.as_os_str().is_empty() => f.write_str("\"\"")?,
+            path => write!(f, "{}", path.display())?,
+        }
         if let Some(NamedBy { scene, field }) = &self.named_by {
             write!(f, " (named by {field} of {})", scene.display())?;
         }
@@ -171,6 +175,7 @@ impl fmt::Display for LoadProblem {
                 "{field} is {uri:?}, which leads out of the folder of the scene; \
                  allow it explicitly if you trust the file"
             ),
+            Self::NotPly => f.write_str("is not a PLY file: it does not start with a line `ply`"),
             Self::PlyHeader { line, problem } => write!(f, "line {line} of the header: {problem}"),
             Self::ObjLine { line, problem } | Self::SwcLine { line, problem } => {
                 write!(f, "line {line}: {problem}")
@@ -203,6 +208,13 @@ impl fmt::Display for LoadProblem {
 
 /// Returns the field and the message of serde_json, without the names of Rust's types.
 fn json_error(field: &str, error: &serde_json::Error) -> String {
+    let syntax = matches!(error.classify(), serde_json::error::Category::Syntax);
+    // The path of a key that is none is `?`.
+    if syntax && matches!(field, "." | "?") && !error.to_string().starts_with("trailing characters")
+    {
+        let text = error.to_string().replace("expected value at", "expected a value at");
+        return format!("is not JSON: {text}");
+    }
     let words = [
         ("expected f32", "expected a number"),
         ("expected u32", "expected an integer from 0 to 4294967295"),

@@ -2,7 +2,8 @@
 //!
 //! | version | arrays | shapes, textures, control meshes | references |
 //! | --- | --- | --- | --- |
-//! | 4.0, no number | objects by name | not listed: a file of that name in a folder of its kind | name |
+//! | 4.0, no number | objects by name | not listed: a file of that name in a folder of its kind |
+//! name |
 //! | 4.1 | objects by name | a `datafile` or its name, in a folder of its kind | name |
 //! | 4.2, 4.3, 5.0 | arrays | a `uri` from the folder of the scene | index |
 //!

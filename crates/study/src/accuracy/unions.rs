@@ -5,8 +5,8 @@
 //! those of intervals in 106 bits, and points with the distance from every element in 106 bits. The
 //! command fails if a decision is wrong.
 //!
-//! A *tie* is a decision that hangs on less than 2⁻⁹⁰ of the numbers compared. Truth cannot make it,
-//! so either answer counts as right.
+//! A *tie* is a decision that hangs on less than 2⁻⁹⁰ of the numbers compared. Truth cannot make
+//! it, so either answer counts as right.
 
 use std::ops::ControlFlow;
 

@@ -88,8 +88,9 @@ struct Batch {
 }
 
 impl Film {
-    /// Takes samples with the threads of the current rayon pool until every pixel has its share of
-    /// `samples`; see [`Self::accumulate_with`].
+    /// Takes samples with the threads of the current rayon pool until every pixel has `samples`
+    /// samples, or the part of them that belongs to the film's shard; see
+    /// [`Self::accumulate_with`].
     pub fn accumulate(
         &mut self,
         samples: u32,
@@ -98,8 +99,9 @@ impl Film {
         self.accumulate_with(samples, integrator, &mut |_| ControlFlow::Continue(()));
     }
 
-    /// Takes samples with the threads of the current rayon pool until every pixel has its share of
-    /// `samples`, or `progress` breaks.
+    /// Takes samples with the threads of the current rayon pool until every pixel has `samples`
+    /// samples, or the part of them that belongs to the film's shard, or `progress` returns
+    /// [`ControlFlow::Break`].
     ///
     /// `integrator` returns the sample of pixel `(x, y)`, counted from the top left corner, with a
     /// sample index in `0..samples`. If its result depends on these three alone, so does the film:
@@ -107,8 +109,8 @@ impl Film {
     /// [`crate::Shard`] takes the indices of its shard only.
     ///
     /// `progress` is called at least every 0.1 s, whatever the size of the film, as long as a
-    /// single sample takes less than some milliseconds. If it breaks, the film keeps the samples it
-    /// has, and another call goes on from there.
+    /// single sample takes less than some milliseconds. If it returns [`ControlFlow::Break`], the
+    /// film keeps the samples it has, and another call goes on from there.
     pub fn accumulate_with(
         &mut self,
         samples: u32,

@@ -21,7 +21,7 @@ use rotund_image::Image;
 /// machine or several. Each pixel knows its number of samples, so [`Self::image`] is right at any
 /// moment, also in the middle of a pass over the pixels.
 ///
-/// A renderer of one's own fills a film with [`Self::accumulate`], or sample by sample with
+/// A custom renderer fills a film with [`Self::accumulate`], or sample by sample with
 /// [`Self::add`].
 ///
 /// ```
@@ -60,18 +60,8 @@ impl Film {
     ///
     /// If a side is zero, or the pixels do not fit into memory.
     pub fn new(width: u32, height: u32) -> Result<Self, FilmError> {
-        if width == 0 || height == 0 {
-            return Err(FilmError::Empty { width, height });
-        }
-        let too_large = FilmError::TooLarge { width, height };
-        let Some(count) = (width as usize).checked_mul(height as usize) else {
-            return Err(too_large);
-        };
-        let mut pixels = Vec::new();
-        if count > MOST_PIXELS || pixels.try_reserve_exact(count).is_err() {
-            return Err(too_large);
-        }
-        pixels.resize(count, PixelSum::default());
+        let mut pixels = room(width, height)?;
+        pixels.resize(width as usize * height as usize, PixelSum::default());
         Ok(Self::from_pixels(width, height, pixels))
     }
 
@@ -246,6 +236,20 @@ impl Film {
 
 /// Largest number of pixels of a film: 1 TiB of sums.
 const MOST_PIXELS: usize = 1 << 34;
+
+/// Returns an empty vector with room for something of each pixel, or an error if a side is zero or
+/// there is not enough memory.
+pub(crate) fn room<T>(width: u32, height: u32) -> Result<Vec<T>, FilmError> {
+    if width == 0 || height == 0 {
+        return Err(FilmError::Empty { width, height });
+    }
+    let mut room = Vec::new();
+    let count = (width as usize).checked_mul(height as usize);
+    match count.filter(|&count| count <= MOST_PIXELS) {
+        Some(count) if room.try_reserve_exact(count).is_ok() => Ok(room),
+        _ => Err(FilmError::TooLarge { width, height }),
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -15,7 +15,7 @@ use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
-use rotund_scene::{Instance, Scene, SceneError, SceneHit};
+use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem};
 pub use tree::Receiver;
 use tree::{Extent, LightTree};
 
@@ -150,8 +150,8 @@ impl Lights {
     ///
     /// Some lights are never sampled, and [`Self::pdf`] is 0 for them: vanilla points and lines,
     /// whose surface depends on the ray; spheres and cones under a transform that deforms them; and
-    /// constant environments. Directions from the BSDF find them and have weight 1, so they are
-    /// right too.
+    /// constant environments. BSDF sampling finds them with MIS weight 1, so the estimator stays
+    /// unbiased.
     ///
     /// # Errors
     ///
@@ -182,17 +182,37 @@ impl Lights {
         }
     }
 
-    /// Checks that a scene has as many instances and environments as the one of the lights.
+    /// Checks that a scene has as many instances and environments as the one of the lights, and
+    /// each instance with emitters as many elements: all that indices rely on.
     pub(crate) fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
         for (what, before, now) in [
             ("instances", self.first_emitter.len(), scene.instances.len()),
             ("environments", self.environments.len(), scene.environments.len()),
         ] {
             if before != now {
-                return Err(SceneError::Changed { item: None, what, before, now });
+                return Err(SceneError::LightsChanged { item: None, what, before, now });
+            }
+        }
+        for (index, before) in self.emitter_counts() {
+            let instance = &scene.instances[index];
+            let now = scene.shapes[instance.shape as usize].elements.count();
+            if before != now {
+                let name = instance.name.clone();
+                let item = Some(SceneItem { array: "instances", index, name });
+                return Err(SceneError::LightsChanged { item, what: "elements", before, now });
             }
         }
         Ok(())
+    }
+
+    /// Returns the index of each instance with emitters, and their number.
+    fn emitter_counts(&self) -> impl Iterator<Item = (usize, usize)> {
+        let firsts = || {
+            let numbered = self.first_emitter.iter().enumerate();
+            numbered.filter_map(|(index, first)| first.map(|first| (index, first as usize)))
+        };
+        let ends = firsts().skip(1).map(|(_, first)| first).chain([self.emitters.len()]);
+        firsts().zip(ends).map(|((index, first), end)| (index, end - first))
     }
 
     /// Returns a bound on the radiance of every light in each channel, and so of every pixel.
@@ -218,7 +238,7 @@ impl Lights {
 
     /// Samples a direction to a light: `choice` picks the light, `u` the point on it, both uniform
     /// in `0.0..1.0`. Returns `None` if no light can illuminate the receiver, or the sampled one
-    /// does not; such a sample contributes nothing but counts.
+    /// does not: this is a sample of value zero; keep it in the mean.
     ///
     /// Occlusion is not tested: see [`LightSample::shadow_ray`]. The direction may lie below the
     /// horizon of the receiver, where the BSDF is zero.

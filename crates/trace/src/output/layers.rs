@@ -15,25 +15,18 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// If the file cannot be written.
-///
-/// # Panics
-///
-/// If the layers have not the size of the picture.
+/// If the layers are not of the size of the picture, picture or layers do not hold `width * height`
+/// pixels, or the file cannot be written.
 pub fn write_layers(
     path: impl AsRef<Path>,
     image: &Image,
     layers: &Layers,
 ) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    if let Some(problem) = misfit(image, layers) {
+        return Err(WriteError::Encode { path: path.into(), source: problem.into() });
+    }
     let size = (image.width as usize, image.height as usize);
-    assert!(
-        (layers.width, layers.height) == (image.width, image.height),
-        "layers of {} x {} for a picture of {} x {}",
-        layers.width,
-        layers.height,
-        image.width,
-        image.height
-    );
     let mut channels = Vec::new();
     let mut add = |name: &str, samples| channels.push(AnyChannel::new(name, samples));
     for (index, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
@@ -54,4 +47,30 @@ pub fn write_layers(
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let layer = Layer::new(size, LayerAttributes::default(), EXR_ENCODING, channels);
     write_with(path, |file| ExrImage::from_layer(layer).write().to_buffered(file))
+}
+
+/// Returns why picture and layers do not make one file, if so.
+fn misfit(image: &Image, layers: &Layers) -> Option<String> {
+    let &Layers { width, height, ref albedo, ref normal, ref depth, ref position, ref ids } =
+        layers;
+    if (width, height) != (image.width, image.height) {
+        let (columns, rows) = (image.width, image.height);
+        return Some(format!(
+            "layers of {width} x {height} do not fit a picture of {columns} x {rows}"
+        ));
+    }
+    let [instances, elements, materials] = ids;
+    let counts = [
+        ("picture", image.pixels.len()),
+        ("layer `albedo`", albedo.len()),
+        ("layer `normal`", normal.len()),
+        ("layer `depth`", depth.len()),
+        ("layer `position`", position.len()),
+        ("layer `instance.id`", instances.len()),
+        ("layer `element.id`", elements.len()),
+        ("layer `material.id`", materials.len()),
+    ];
+    let area = u64::from(width) * u64::from(height);
+    let wrong = counts.into_iter().find(|&(_, count)| count as u64 != area || count == 0);
+    wrong.map(|(what, count)| format!("a {what} of {width} x {height} holds {count} pixels"))
 }

@@ -122,13 +122,16 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
         line_number += 1;
         let fail = |problem: String| Err(LoadProblem::PlyHeader { line: line_number, problem });
         let Some(bytes) = input.line(LONGEST_LINE)? else {
+            if line_number == 1 {
+                return Err(LoadProblem::NotPly);
+            }
             return fail("not found: the header has no end, so this is not a PLY file".to_owned());
         };
         let line = String::from_utf8_lossy(&bytes);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         if line_number == 1 {
             if words != ["ply"] {
-                return fail("a PLY file begins with a line \"ply\"".to_owned());
+                return Err(LoadProblem::NotPly);
             }
             continue;
         }
