@@ -131,7 +131,8 @@ fn lifted_quad(method: Method) -> Shape {
         elements: Elements::Quads(vec![[0, 1, 2, 3]]),
         positions: vec![Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, 1.0), Vec3::Y],
         texcoords: vec![Vec2::ZERO, vec2(1.0, 0.0), vec2(4.0, 4.0), vec2(0.0, 1.0)],
-    }..Shape::default()
+        ..Shape::default()
+    }
 }
 
 #[test]

@@ -16,14 +16,11 @@ const SAMPLES: u32 = 1 << 15;
 /// Returns a scene with one shape of radiance 1.
 fn shining(elements: Elements, method: Method, positions: &[[f32; 3]], radii: &[f32]) -> Scene {
     let shape = Shape {
-        name: String::new(),
         method,
         elements,
         positions: positions.iter().map(|&p| Vec3::from_array(p)).collect(),
-        normals: Vec::new(),
-        texcoords: Vec::new(),
-        colors: Vec::new(),
         radii: radii.to_vec(),
+        ..Shape::default()
     };
     Scene {
         materials: vec![Material { emission: Vec3::ONE, ..Material::default() }],
