@@ -9,7 +9,7 @@ use crate::{
 };
 use rayon::prelude::*;
 use rotund_bvh::{Bvh, Isa, PrimitiveHit, Start, Statistics};
-use rotund_geometry::{Hit, Ray};
+use rotund_geometry::{Hit, Ray, glam::Vec3, leave_surface};
 
 /// The acceleration structure of one scene: bounding volume hierarchies over its instances and
 /// elements.
@@ -252,6 +252,38 @@ impl Trees {
         let starts = &self.shared[shared];
         let place = starts.partition_point(|&start| start <= element) - 1;
         (placement.instance + place as u32, element - starts[place])
+    }
+
+    /// Returns whether a point on the surface of an element is inside its body and so not on its
+    /// surface; see [`crate::Overlap`]. `error` bounds the distance of the point from the element.
+    ///
+    /// What is covered does not shine. A renderer that samples points on emitters asks this of
+    /// points that its shadow rays reach: a body into which one can see does not stop them.
+    ///
+    /// # Panics
+    ///
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
+    #[must_use]
+    pub fn covers(
+        &self,
+        scene: &Scene,
+        (instance, element): (u32, u32),
+        position: Vec3,
+        normal: Vec3,
+        error: f32,
+    ) -> bool {
+        let after = self.placements.partition_point(|place| place.instance <= instance);
+        let Some(placement) = after.checked_sub(1).map(|index| &self.placements[index]) else {
+            return false;
+        };
+        if !placement.is_union(&scene.shapes[placement.shape as usize]) {
+            return false;
+        }
+        let side = |direction: Vec3| {
+            let origin = leave_surface(position, error, normal, direction);
+            placement.frame.object_ray(&Ray::new(origin, direction)).origin
+        };
+        self.trees[placement.tree as usize].covers(element, side(-normal), side(normal))
     }
 
     /// Returns true if the ray has a hit with `t` in `t_min..=t_max`, that is, if

@@ -4,6 +4,7 @@ use crate::{Elements, Method, Shape};
 use rotund_bvh::{
     ConeTree, Isa, Packed, PatchTree, PrimitiveHit, SphereTree, Start, Statistics, TriangleTree,
 };
+use rotund_geometry::glam::Vec3;
 use rotund_geometry::{Aabb, BilinearPatch, Ray, RoundedCone, Sphere, Triangle};
 
 /// The tree over the elements of a shape, in object space.
@@ -101,6 +102,16 @@ impl ShapeTree {
             Self::Triangles(_) | Self::Quads(_) => return None,
         };
         Some(PrimitiveHit { id: crossing.id, hit: crossing.hit })
+    }
+
+    /// Returns whether other points or lines cover a point of the surface of `element`, given on
+    /// either side of it.
+    pub(crate) fn covers(&self, element: u32, below: Vec3, above: Vec3) -> bool {
+        match self {
+            Self::Points(tree) => tree.covers(element, below, above),
+            Self::Lines(tree) => tree.covers(element, below, above),
+            Self::Triangles(_) | Self::Quads(_) => false,
+        }
     }
 
     #[inline]

@@ -221,3 +221,30 @@ fn the_inside_of_a_body_has_no_surfaces() {
     trees.refit(&scene).expect("the same shapes");
     assert!(trees.any(&scene, &inside), "the ends of the pieces");
 }
+
+#[test]
+fn what_is_covered_does_not_shine() {
+    let lamp = Material {
+        emission: Vec3::splat(3.0),
+        color: Vec3::ZERO,
+        opacity: 0.5,
+        ..Material::default()
+    };
+    let options = Options { samples: 1024, bounces: 4, ..OPTIONS };
+    let light_of = |shape: Shape| {
+        let mut scene = scene(shape, lamp.clone());
+        scene.environments.clear();
+        blocks(&scene, &options).iter().sum::<f64>()
+    };
+    let one = light_of(Shape::points([Vec3::ZERO], 0.4));
+    for (what, shape) in [
+        ("copies", Shape::points(vec![Vec3::ZERO; 5], 0.4)),
+        ("balls inside", Shape::points(vec![Vec3::ZERO; 3], [0.1, 0.4, 0.3])),
+    ] {
+        let share = light_of(shape) / one;
+        assert!((share - 1.0).abs() < 0.004, "{what}: {share}");
+    }
+    let whole = light_of(tube(1));
+    let share = light_of(tube(8)) / whole;
+    assert!((share - 1.0).abs() < 0.004, "a tube in pieces: {share}");
+}

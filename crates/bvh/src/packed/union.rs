@@ -44,7 +44,27 @@ impl<P: Kernel + Solid + PartialEq> Packed<P> {
     #[must_use]
     pub fn contains(&self, point: Vec3) -> bool {
         let ray = Ray { t_max: 0.0, ..Ray::new(point, Vec3::X) };
-        self.isa.run(Contains { packed: self, ray: &ray, point })
+        self.isa.run(Contains {
+            packed: self,
+            ray: &ray,
+            inside: |_, solid: &P| solid.contains(point),
+        })
+    }
+
+    /// Returns whether a point of the surface of the solid `id` is covered by other solids, so that
+    /// it is not on the boundary of the union. `below` and `above` are the point moved to either
+    /// side of the surface by the bound on its error.
+    ///
+    /// Of solids whose surfaces coincide, the one with the lowest id is not covered, as in
+    /// [`Packed::boundary`].
+    #[must_use]
+    pub fn covers(&self, id: u32, below: Vec3, above: Vec3) -> bool {
+        // The ray passes both points, so that the traversal meets what contains either.
+        let ray = Ray { t_max: 1.0, ..Ray::new(below, above - below) };
+        let inside = |other: u32, solid: &P| {
+            other != id && solid.contains(if other < id { below } else { above })
+        };
+        self.isa.run(Contains { packed: self, ray: &ray, inside })
     }
 
     /// Returns the next boundary of the union of all solids with `t` in `ray.t_min..=ray.t_max`:
@@ -353,35 +373,37 @@ impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for PiecesVisitor<'_, S
 }
 
 /// Finds out whether a point is in any solid.
-struct Contains<'a, P: Kernel> {
+struct Contains<'a, P: Kernel, F> {
     packed: &'a Packed<P>,
-    /// A ray of length zero at the point.
+    /// A ray that passes the point.
     ray: &'a Ray,
-    point: Vec3,
+    inside: F,
 }
 
-impl<P: Kernel + Solid> WithSimd for Contains<'_, P> {
+impl<P: Kernel + Solid, F: Fn(u32, &P) -> bool> WithSimd for Contains<'_, P, F> {
     type Output = bool;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Some(slab_ray) = SlabRay::new(self.ray) else { return false };
-        let limit = slab_ray.limit(0.0);
+        let limit = slab_ray.limit(self.ray.t_max);
         let lanes = P::lanes(simd, &slab_ray);
-        let mut visitor = ContainsVisitor::<S, P> { find: &self, lanes, limit };
+        let mut visitor = ContainsVisitor::<S, P, F> { find: &self, lanes, limit };
         traverse::any(simd, &self.packed.tree, &slab_ray, limit, &mut visitor)
     }
 }
 
-struct ContainsVisitor<'a, S: Simd, P: Kernel> {
-    find: &'a Contains<'a, P>,
+struct ContainsVisitor<'a, S: Simd, P: Kernel, F> {
+    find: &'a Contains<'a, P, F>,
     lanes: P::Lanes<S>,
     limit: f32,
 }
 
-impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for ContainsVisitor<'_, S, P> {}
+impl<S: Simd, P: Kernel, F> traverse::LeafVisitor<S> for ContainsVisitor<'_, S, P, F> {}
 
-impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for ContainsVisitor<'_, S, P> {
+impl<S: Simd, P: Kernel + Solid, F: Fn(u32, &P) -> bool> traverse::AnyVisitor<S>
+    for ContainsVisitor<'_, S, P, F>
+{
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize) -> bool {
         let block = &self.find.packed.blocks[index];
@@ -390,7 +412,8 @@ impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for ContainsVisitor<'_,
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
-            if block.ids()[lane] != NO_ID && P::unpack(block, lane).contains(self.find.point) {
+            let id = block.ids()[lane];
+            if id != NO_ID && (self.find.inside)(id, &P::unpack(block, lane)) {
                 return true;
             }
         }

@@ -150,6 +150,11 @@ fn scale(frame: &Affine3A) -> Option<f32> {
 }
 
 impl Emitter {
+    /// Returns the indices of instance and element.
+    pub(super) fn element(&self) -> (u32, u32) {
+        (self.instance, self.element)
+    }
+
     /// Computes the fields that depend on the bounds.
     fn measure(&mut self) {
         let Aabb { min, max } = self.extent().bounds;
@@ -287,6 +292,16 @@ impl Emitter {
     /// Returns the density per solid angle with which [`Self::sample`] samples a point that a ray
     /// hit.
     pub(super) fn pdf(&self, from: Vec3, hit: &SceneHit) -> f32 {
+        // From outside only the near side of a solid is sampled. A ray meets the far side through
+        // a surface of partial opacity.
+        let is_outside = match &self.surface {
+            Surface::Ball(ball) => !ball.holds(from),
+            Surface::Cone(cone) => !cone.holds(from),
+            _ => false,
+        };
+        if is_outside && hit.normal.dot(from - hit.position) < 0.0 {
+            return 0.0;
+        }
         let density = match &self.surface {
             Surface::Triangle(corners) => self.density_of_triangles(&[*corners], from),
             Surface::TwoTriangles(corners) => {

@@ -15,7 +15,7 @@ use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
-use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem};
+use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem, Trees};
 pub use tree::Receiver;
 use tree::{Extent, LightTree};
 
@@ -278,6 +278,16 @@ impl Lights {
             Some((emitter, uv)) => self.emitters[emitter as usize].radiance(scene, uv),
             None => scene.eval_environment(light.incoming),
         }
+    }
+
+    /// Returns whether the sampled point lies inside the body that it is part of, where it does not
+    /// shine.
+    pub(crate) fn is_covered(&self, scene: &Scene, trees: &Trees, light: &LightSample) -> bool {
+        let (Some((emitter, _)), Some(source)) = (light.emitter, &light.source) else {
+            return false;
+        };
+        let LightSource { position, normal, error } = *source;
+        trees.covers(scene, self.emitters[emitter as usize].element(), position, normal, error)
     }
 
     /// Returns the radiance of a direction that leads out of the scene, and the density per solid

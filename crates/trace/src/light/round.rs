@@ -39,6 +39,11 @@ impl Ball {
         (sine2 < 1.0).then(|| sine2 / (1.0 + (1.0 - sine2).sqrt()))
     }
 
+    /// True if `from` is inside of the ball.
+    pub(super) fn holds(&self, from: Vec3) -> bool {
+        self.aperture(from).is_none()
+    }
+
     /// Returns the density of [`Self::sample`]: uniform over the cone of directions to the ball, or
     /// over the surface if `from` is inside.
     pub(super) fn density(&self, from: Vec3) -> Density {
@@ -147,7 +152,7 @@ impl Cone {
     }
 
     /// True if `from` is inside of the cone.
-    fn holds(&self, from: Vec3) -> bool {
+    pub(super) fn holds(&self, from: Vec3) -> bool {
         let to = from - self.balls[0].center;
         let along = to.dot(self.axis);
         let across = (to - along * self.axis).length();

@@ -18,7 +18,7 @@ impl Path<'_> {
         departure: &Departure<'_>,
         scatter: impl Fn(Vec3) -> (Vec3, f32),
     ) {
-        let Context { scene, lights, bounces, furnace, .. } = self.context;
+        let Context { scene, trees, lights, bounces, furnace, .. } = self.context;
         if *furnace {
             return;
         }
@@ -36,7 +36,7 @@ impl Path<'_> {
         };
         let (share, rays) = self.context.visibility(departure, &target, &self.media);
         self.arrived.rays += rays;
-        if share != Vec3::ZERO {
+        if share != Vec3::ZERO && !lights.is_covered(scene, trees, &light) {
             let radiance = lights.radiance(scene, &light);
             self.arrived.radiance += self.throughput * share * weight * value * radiance;
         }
