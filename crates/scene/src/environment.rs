@@ -11,8 +11,8 @@ pub struct Environment {
     pub name: String,
     /// A rigid frame; its y axis points to the first row of the image.
     pub world_from_environment: Affine3A,
-    /// Radiance, or the factor of the image. `rotund-trace` counts a sample of 2³⁹ or more as black,
-    /// and in `Film::rejected`.
+    /// Radiance, or the factor of the image. `rotund-trace` counts a sample of 2³⁹ or more as
+    /// black, and in `Film::rejected`.
     pub emission: Vec3,
     /// Image that scales `emission`: an index into [`crate::Scene::textures`].
     pub emission_tex: Option<u32>,
