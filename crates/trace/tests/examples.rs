@@ -2,8 +2,8 @@
 
 #[path = "../examples/ambient_occlusion.rs"]
 mod ambient_occlusion;
-#[path = "../examples/molecule.rs"]
-mod molecule;
+#[path = "../examples/ethanol.rs"]
+mod ethanol;
 #[path = "../examples/particles.rs"]
 mod particles;
 #[path = "../examples/window.rs"]
@@ -74,7 +74,7 @@ fn a_window_shows_a_picture_that_converges() {
 
 #[test]
 fn a_molecule_has_atoms_and_bonds() {
-    let scene = molecule::molecule(&molecule::ETHANOL);
+    let scene = ethanol::molecule(&ethanol::ETHANOL);
     assert_eq!(scene.shapes[0].elements.count(), 9);
     assert_eq!(scene.shapes[1].elements.count(), 8, "a chain of 3, and 6 hydrogens");
     let film =

@@ -1,7 +1,7 @@
 //! A molecule from arrays: atoms as spheres, bonds as rounded cones.
 //!
 //! ```text
-//! cargo run --release -p rotund-trace --example molecule
+//! cargo run --release -p rotund-trace --example ethanol
 //! ```
 
 use rotund_trace::scene::geometry::glam::{Vec3, Vec4};
@@ -70,5 +70,5 @@ fn color(element: &str) -> Vec3 {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = molecule(&ETHANOL);
     let film = World::new(&scene)?.render(0, &Options::default())?;
-    Ok(output::write("molecule.png", &film)?)
+    Ok(output::write("ethanol.png", &film)?)
 }
