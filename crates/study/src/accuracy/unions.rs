@@ -336,6 +336,11 @@ fn check_ray<E: Element>(tree: &impl Union, elements: &[E], ray: &Ray, tally: &m
             }
         }
     }
+    // An origin exactly on a surface: truth finds a `t` of some 2⁻¹⁰⁶ of the chord instead of zero.
+    tie |= bodies.iter().any(|[enter, leave]| {
+        let chord = (*leave - *enter).to_f64();
+        enter.abs().min(leave.abs()).to_f64() <= TIE * chord
+    });
     let ends = bodies.iter().flat_map(|[enter, leave]| [(*enter, true), (*leave, false)]);
     let expected: Vec<(Wide, bool)> = ends.filter(|(t, _)| *t >= Wide::ZERO).collect();
     let found = tree.boundaries(ray);
