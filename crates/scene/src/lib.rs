@@ -81,6 +81,8 @@
 //! colour conversions, `glam` and `rayon` alone.
 
 mod camera;
+#[cfg(feature = "load")]
+mod direction_color;
 mod environment;
 mod error;
 mod eval;

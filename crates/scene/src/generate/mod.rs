@@ -4,6 +4,8 @@
 //! Vertices and texture coordinates are laid out as in the shapes of yocto-gl's test scenes, so
 //! that these scenes need no shape files.
 
+mod branches;
+mod bundle;
 mod grid;
 mod hair;
 mod image;
@@ -11,6 +13,8 @@ mod lines;
 mod noise;
 mod solids;
 
+pub(crate) use branches::Branches;
+pub(crate) use bundle::Bundle;
 pub(crate) use hair::Hair;
 pub(crate) use image::{Bumps, FloorGrid, Sky, UvGrid};
 pub(crate) use lines::{LinesGrid, PointsGrid};
@@ -32,6 +36,8 @@ pub(crate) enum Geometry {
     PointsGrid(PointsGrid),
     LinesGrid(LinesGrid),
     Hair(Hair),
+    Branches(Branches),
+    Bundle(Bundle),
 }
 
 /// A texture.
@@ -69,6 +75,8 @@ impl Geometry {
             Self::PointsGrid(points) => points.build(),
             Self::LinesGrid(lines) => lines.build(),
             Self::Hair(hair) => hair.build(),
+            Self::Branches(branches) => branches.build(),
+            Self::Bundle(bundle) => bundle.build(),
         }
     }
 }

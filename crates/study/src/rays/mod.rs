@@ -6,6 +6,7 @@
 //! another ray tracer) both run in turn on the same machine, so that each ratio is paired; medians
 //! are shown.
 
+mod bodies;
 mod measure;
 mod memory;
 mod page;
@@ -24,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Scenes: spheres-1M, cones-1M, patches-1M, spheres-10M or another number of
-millions; or the name of a scene that is built in, or the path of a JSON, PLY,
+millions; tracts-218K and vessels-4K, tubes of published sizes; or the name of a scene that is built in, or the path of a JSON, PLY,
 OBJ, SWC, TCK or TRK file, each shape of which is measured by itself.
 
 Examples:
@@ -32,7 +33,8 @@ Examples:
   cargo xtask rays spheres-1M cones-1M --isa avx2 --page rays.html
   cargo xtask rays patches-1M --vanilla --peer ./embree_bench --json rays.json
   cargo xtask rays shapes4 scan.ply
-  cargo xtask rays patches-1M --verify 10000000";
+  cargo xtask rays patches-1M --verify 10000000
+  cargo xtask rays cones-1M tracts-218K vessels-4K cell.swc --crossings";
 
 /// Options of `rays`.
 #[derive(Debug, clap::Args)]
@@ -56,6 +58,11 @@ pub struct Args {
     /// primitives. Without --isa, on all instruction sets.
     #[arg(long, value_name = "RAYS", value_parser = clap::value_parser!(u32).range(1..))]
     verify: Option<u32>,
+    /// Instead, measure what it costs to find where rays enter and leave the union of points or
+    /// lines, against closest hits of the same rays, and a picture of the union: transparent, with
+    /// shadows and ambient occlusion.
+    #[arg(long, conflicts_with_all = ["vanilla", "verify", "peer", "json", "page"])]
+    crossings: bool,
     /// A program that measures another ray tracer, run in turn with ours on the generated scenes up
     /// to spheres-10M.
     #[arg(long, value_name = "PROGRAM")]

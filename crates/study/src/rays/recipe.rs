@@ -192,19 +192,24 @@ impl Target {
 /// Pixels along a side of a picture.
 pub(super) const SIDE: usize = 1024;
 
-/// Returns a ray through the center of each pixel, row by row.
+/// Returns a ray through the center of each pixel of [`SIDE`] rows.
 pub(super) fn primary(target: &Target) -> Vec<Ray> {
+    pinhole(target, SIDE)
+}
+
+/// Returns a ray through the center of each pixel of a square picture, row by row.
+pub(super) fn pinhole(target: &Target, side: usize) -> Vec<Ray> {
     let center = target.center();
     let eye = center.plus(Vector([0.6, 0.5, 0.7]).unit().times(0.8 * target.diagonal()));
     let forward = center.minus(eye).unit();
     let right = forward.cross(Vector([0.0, 0.0, 1.0])).unit();
     let up = right.cross(forward);
-    let side = SIDE as f64;
-    (0..SIDE * SIDE)
+    let pixels = side as f64;
+    (0..side * side)
         .map(|pixel| {
-            let (x, y) = ((pixel % SIDE) as f64, (pixel / SIDE) as f64);
-            let sx = 0.5 * (2.0 * (x + 0.5) / side - 1.0);
-            let sy = 0.5 * (1.0 - 2.0 * (y + 0.5) / side);
+            let (x, y) = ((pixel % side) as f64, (pixel / side) as f64);
+            let sx = 0.5 * (2.0 * (x + 0.5) / pixels - 1.0);
+            let sy = 0.5 * (1.0 - 2.0 * (y + 0.5) / pixels);
             let direction = forward.plus(right.times(sx)).plus(up.times(sy)).unit();
             Ray::new(eye.single(), direction.single())
         })

@@ -1,15 +1,17 @@
 //! The scenes that trees are built over: a generated one, or the shapes of a file.
 
+use super::bodies::{self, Body};
 use super::measure::{Subject, measure};
 use super::progress::Progress;
 use super::recipe::{self, Target};
+use super::shoot::Primitive;
 use super::{Args, Load, Sheet, memory};
 use anyhow::{Result, ensure};
 use rotund_bvh::MAX_PRIMITIVES;
 use rotund_geometry::glam::Vec3;
 use rotund_geometry::{BilinearPatch, RoundedCone, Sphere, Triangle};
 use rotund_report::console::say;
-use rotund_scene::{Elements, Shape};
+use rotund_scene::{Elements, LoadOptions, Shape, load_bytes};
 
 const MILLION: usize = 1_000_000;
 
@@ -25,23 +27,29 @@ pub(super) fn measure_all(
         "spheres-1M" => {
             let (spheres, hash) = recipe::spheres(MILLION, 1, 0.002);
             check(name, hash, 0x0915_ef57_9e5f_da21)?;
-            sheets.extend(measure(&recipe, &spheres, &Target::UNIT, args)?);
+            sheets.extend(solids(&recipe, &spheres, &Target::UNIT, args)?);
         }
         "spheres-10M" => {
             let (spheres, hash) = recipe::spheres(10 * MILLION, 11, 0.000_928_317_8);
             check(name, hash, 0x7d1d_4cee_a667_c619)?;
-            sheets.extend(measure(&recipe, &spheres, &Target::UNIT, args)?);
+            sheets.extend(solids(&recipe, &spheres, &Target::UNIT, args)?);
         }
         "cones-1M" => {
             let (cones, hash) = recipe::cones(50_000);
             check(name, hash, 0x8990_b660_83f1_cf0c)?;
-            sheets.extend(measure(&recipe, &cones, &Target::UNIT, args)?);
+            sheets.extend(solids(&recipe, &cones, &Target::UNIT, args)?);
         }
         "patches-1M" => {
             let (patches, hash) = recipe::patches(1000);
             check(name, hash, 0x1613_fb93_455e_a7e8)?;
             let corners = patches.iter().flat_map(|p| [p.p00, p.p10, p.p11, p.p01]);
-            sheets.extend(measure(&recipe, &patches, &Target::around(corners), args)?);
+            sheets.extend(surfaces(&recipe, &patches, &Target::around(corners), args)?);
+        }
+        "tracts-218K" | "vessels-4K" => {
+            let cones = tubes(name)?;
+            let vertices = cones.iter().flat_map(|cone| [cone.p0, cone.p1]);
+            let recipe = Subject { known_to_peer: false, ..recipe };
+            sheets.extend(solids(&recipe, &cones, &Target::around(vertices), args)?);
         }
         _ => match name.strip_prefix("spheres-").and_then(|rest| rest.strip_suffix('M')) {
             Some(millions) => sheets.extend(many_spheres(name, millions, args)?),
@@ -58,6 +66,54 @@ pub(super) fn measure_all(
         },
     }
     Ok(())
+}
+
+/// Measures closest hits and occlusion, or crossings if `args` asks for them.
+fn solids<P: Primitive<Tree: Body>>(
+    subject: &Subject<'_>,
+    solids: &[P],
+    target: &Target,
+    args: &Args,
+) -> Result<Option<Sheet>> {
+    if args.crossings {
+        bodies::measure(subject, solids, target, args)?;
+        return Ok(None);
+    }
+    measure(subject, solids, target, args)
+}
+
+/// Measures closest hits and occlusion of primitives that have no inside.
+fn surfaces<P: Primitive>(
+    subject: &Subject<'_>,
+    primitives: &[P],
+    target: &Target,
+    args: &Args,
+) -> Result<Option<Sheet>> {
+    if args.crossings {
+        say(format!("{}: skipped: triangles and quads have no inside to enter", subject.name))?;
+        return Ok(None);
+    }
+    measure(subject, primitives, target, args)
+}
+
+/// Returns all lines of a generated scene of tubes as one body.
+fn tubes(name: &str) -> Result<Vec<RoundedCone>> {
+    let json = match name {
+        "tracts-218K" => include_bytes!("tracts.json").as_slice(),
+        _ => include_bytes!("vessels.json"),
+    };
+    let no_files = |_: &str| None;
+    let scene = load_bytes(format!("{name}.json"), json, &no_files, &LoadOptions::default())?.scene;
+    let cones = scene.shapes.iter().flat_map(|shape| {
+        let vertex = |v: u32| (shape.positions[v as usize], shape.radii[v as usize]);
+        let Elements::Lines(lines) = &shape.elements else { return Vec::new() };
+        let cone = |&[a, b]: &[u32; 2]| {
+            let ((p0, r0), (p1, r1)) = (vertex(a), vertex(b));
+            RoundedCone { p0, r0, p1, r1 }
+        };
+        lines.iter().map(cone).collect()
+    });
+    Ok(cones.collect())
 }
 
 fn check(name: &str, hash: u64, expected: u64) -> Result<()> {
@@ -86,7 +142,7 @@ fn many_spheres(name: &str, millions: &str, args: &Args) -> Result<Option<Sheet>
     progress.stage("drawing the spheres");
     let (spheres, _) = recipe::spheres(count, 1, base);
     drop(progress);
-    measure(&Subject { name, known_to_peer: false }, &spheres, &Target::UNIT, args)
+    solids(&Subject { name, known_to_peer: false }, &spheres, &Target::UNIT, args)
 }
 
 /// Measures a shape of a scene file, in its own space.
@@ -114,7 +170,7 @@ fn shape_sheet(scene: &str, index: usize, shape: &Shape, args: &Args) -> Result<
         Elements::Points(count) => {
             let sphere = |v| Sphere { center: at(v), radius: radius(v) };
             let spheres: Vec<Sphere> = (0..*count).map(sphere).collect();
-            measure(&subject, &spheres, &target, args)
+            solids(&subject, &spheres, &target, args)
         }
         Elements::Lines(lines) => {
             let cone = |&[a, b]: &[u32; 2]| RoundedCone {
@@ -124,12 +180,12 @@ fn shape_sheet(scene: &str, index: usize, shape: &Shape, args: &Args) -> Result<
                 r1: radius(b),
             };
             let cones: Vec<RoundedCone> = lines.iter().map(cone).collect();
-            measure(&subject, &cones, &target, args)
+            solids(&subject, &cones, &target, args)
         }
         Elements::Triangles(triangles) => {
             let triangle = |t: &[u32; 3]| Triangle { p0: at(t[0]), p1: at(t[1]), p2: at(t[2]) };
             let triangles: Vec<Triangle> = triangles.iter().map(triangle).collect();
-            measure(&subject, &triangles, &target, args)
+            surfaces(&subject, &triangles, &target, args)
         }
         Elements::Quads(quads) => {
             let patch = |q: &[u32; 4]| {
@@ -137,7 +193,7 @@ fn shape_sheet(scene: &str, index: usize, shape: &Shape, args: &Args) -> Result<
                 BilinearPatch { p00, p10, p01, p11 }
             };
             let patches: Vec<BilinearPatch> = quads.iter().map(patch).collect();
-            measure(&subject, &patches, &target, args)
+            surfaces(&subject, &patches, &target, args)
         }
     }
 }

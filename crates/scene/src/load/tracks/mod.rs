@@ -11,8 +11,8 @@ pub(super) mod tck;
 pub(super) mod trk;
 
 use super::{error::LoadProblem, mesh::Mesh};
-use glam::{DVec3, Vec3, Vec4};
-use rotund_image::linear_from_srgb;
+use crate::direction_color;
+use glam::DVec3;
 
 /// Collects the streamlines of a file.
 #[derive(Debug, Default)]
@@ -56,7 +56,7 @@ impl Bundle {
         let last = vertices as u32 - 1;
         self.mesh.lines.extend((self.start as u32..last).map(|first| [first, first + 1]));
         self.mesh.colors.reserve(vertices - self.start);
-        color(&self.mesh.positions[self.start..], &mut self.mesh.colors);
+        direction_color::append(&self.mesh.positions[self.start..], &mut self.mesh.colors);
         self.start = vertices;
         Ok(())
     }
@@ -76,31 +76,4 @@ impl Bundle {
     fn refuse(&self, problem: String) -> LoadProblem {
         LoadProblem::Streamline { index: self.count, problem }
     }
-}
-
-/// Adds the colours of a streamline: the absolute values of the tangent as red, green and blue of
-/// sRGB. A point without a tangent, since its neighbours coincide, has the colour before it.
-fn color(points: &[Vec3], colors: &mut Vec<Vec4>) {
-    let last = points.len().saturating_sub(1);
-    let mut color = Vec4::ONE;
-    let mut waiting = 0;
-    for i in 0..points.len() {
-        let [before, at, after] =
-            [i.saturating_sub(1), i, (i + 1).min(last)].map(|i| points[i].as_dvec3());
-        let tangents = [after - before, after - at].map(DVec3::try_normalize);
-        let Some(tangent) = tangents.into_iter().flatten().next() else {
-            // The first colour is also that of the points before it.
-            if waiting == i {
-                waiting += 1;
-            } else {
-                colors.push(color);
-            }
-            continue;
-        };
-        let [r, g, b] = tangent.abs().as_vec3().to_array().map(linear_from_srgb);
-        color = Vec4::new(r, g, b, 1.0);
-        colors.extend(std::iter::repeat_n(color, std::mem::take(&mut waiting)));
-        colors.push(color);
-    }
-    colors.extend(std::iter::repeat_n(color, waiting));
 }
