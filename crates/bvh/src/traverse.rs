@@ -112,6 +112,56 @@ pub(crate) fn closest<S: Simd>(
     }
 }
 
+/// Calls `visitor` with each leaf whose box the ray meets before a limit that the visitor may move
+/// away, at most to `reach`, roughly from near to far. Returns the nearest distance of a box that
+/// was skipped, which the limit may have passed since.
+#[inline(always)]
+pub(crate) fn growing<S: Simd>(
+    simd: S,
+    tree: &Tree,
+    ray: &SlabRay,
+    reach: f32,
+    mut limit: f32,
+    visitor: &mut impl ClosestVisitor<S>,
+) -> f32 {
+    let mut skipped = f32::INFINITY;
+    if tree.root == Child::NONE {
+        return skipped;
+    }
+    let lanes = ray.lanes(simd);
+    let ends = simd.splat(reach);
+    let mut storage = stack::storage();
+    let mut stack = Stack::new(&mut storage);
+    let mut current = tree.root;
+    loop {
+        if current.is_leaf() {
+            limit = visitor.leaf(simd, current.index(), limit);
+        } else {
+            let node: &Node = &tree.nodes[current.index()];
+            // What begins behind the limit waits on the stack, since the limit may move.
+            let (near, mask) = lanes.test(simd, node, ends);
+            if mask & mask.wrapping_sub(1) != 0 {
+                let count = mask.count_ones() as usize;
+                // SAFETY: `order` initializes an entry for each bit of the mask.
+                unsafe {
+                    stack.extend(count, |entries| simd.order(near, mask, &node.children, entries));
+                }
+            } else if mask != 0 {
+                let only = mask.trailing_zeros() as usize % WIDTH;
+                stack.push(StackEntry::new(simd.to_array(near)[only], node.children[only]));
+            }
+        }
+        current = loop {
+            let Some(entry) = stack.pop() else { return skipped };
+            // As in `closest`.
+            if entry.near() <= limit.max(f32::MIN_POSITIVE) {
+                break entry.child();
+            }
+            skipped = skipped.min(entry.near());
+        };
+    }
+}
+
 /// Calls `visitor` with leaves whose boxes the ray meets before the limit, in no particular order,
 /// until it reports a hit; returns whether it did.
 #[inline(always)]

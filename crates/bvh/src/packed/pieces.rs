@@ -17,10 +17,19 @@ pub(super) struct Piece {
 }
 
 /// The solids of a tree along one ray, in exact order.
+#[derive(Debug)]
 pub(super) struct Pieces<'a, P: Kernel> {
     pub(super) packed: &'a Packed<P>,
     pub(super) ray: &'a Ray,
 }
+
+impl<P: Kernel> Clone for Pieces<'_, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P: Kernel> Copy for Pieces<'_, P> {}
 
 impl<P: Kernel + Solid + PartialEq> Pieces<'_, P> {
     fn solid(&self, piece: &Piece) -> P {

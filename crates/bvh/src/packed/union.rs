@@ -100,14 +100,15 @@ impl<P: Kernel + Solid + PartialEq> Packed<P> {
                 Start::ByPosition => Search::LastExit,
                 Start::Outside => Search::FirstEntry,
             };
-            let around = self.isa.run(FindAround::new(self, ray, ray, None, search));
-            if let Some(piece) = around {
+            let find = FindAround { pieces, here: ray, end: ray.t_min, best: None, search };
+            let around = self.isa.run(find);
+            if let Some(piece) = around.best {
                 if start == Start::Outside {
                     let entry = pieces.crossing(&piece, End::Entry)?;
                     let hit = rotund_geometry::Hit { t: ray.t_min, ..entry.hit };
                     return Some(Crossing { hit, ..entry });
                 }
-                return self.exit_after(&pieces, piece);
+                return self.exit_after(&pieces, piece, around.is_complete);
             }
         }
         self.entry(ray)
@@ -142,10 +143,16 @@ impl<P: Kernel + Solid + PartialEq> Packed<P> {
         enters
     }
 
-    /// Returns the exit from the union of a ray that is inside `last`.
-    fn exit_after(&self, pieces: &Pieces<'_, P>, mut last: Piece) -> Option<Crossing> {
+    /// Returns the exit from the union of a ray that is inside `last`. It is that of `last` if
+    /// `is_complete`.
+    fn exit_after(
+        &self,
+        pieces: &Pieces<'_, P>,
+        mut last: Piece,
+        mut is_complete: bool,
+    ) -> Option<Crossing> {
         let ray = pieces.ray;
-        loop {
+        while !is_complete {
             let Interval { exit, error, .. } = last.interval;
             let (mut low, mut high) = ((exit - error) as f32, (exit + error) as f32);
             if !(low.is_finite() && high.is_finite()) {
@@ -154,9 +161,12 @@ impl<P: Kernel + Solid + PartialEq> Packed<P> {
             if low > ray.t_max {
                 return None;
             }
-            let here = Ray { t_min: low.next_down(), t_max: high.next_up(), ..*ray };
-            let next = FindAround::new(self, ray, &here, Some(last), Search::LastExit);
-            match self.isa.run(next) {
+            let here = Ray { t_min: low.next_down(), ..*ray };
+            let (end, search) = (high.next_up(), Search::LastExit);
+            let find = FindAround { pieces: *pieces, here: &here, end, best: Some(last), search };
+            let next = self.isa.run(find);
+            is_complete = next.is_complete;
+            match next.best {
                 Some(next) if next.id != last.id => last = next,
                 _ => break,
             }
@@ -225,44 +235,47 @@ enum Search {
     FirstEntry,
 }
 
-/// Finds a solid around the start of `here`, a part of `ray`.
+/// Finds a solid around the start of `here`, the rest of `ray`.
 struct FindAround<'a, P: Kernel> {
     pieces: Pieces<'a, P>,
     here: &'a Ray,
+    /// What is around all points up to this `t` is wanted.
+    end: f32,
     /// The solid whose exit moves; `None` at the start of `ray`.
     best: Option<Piece>,
     search: Search,
 }
 
-impl<'a, P: Kernel> FindAround<'a, P> {
-    #[inline(always)]
-    fn new(
-        packed: &'a Packed<P>,
-        ray: &'a Ray,
-        here: &'a Ray,
-        best: Option<Piece>,
-        search: Search,
-    ) -> Self {
-        Self { pieces: Pieces { packed, ray }, here, best, search }
-    }
+/// What [`FindAround`] found.
+struct Around {
+    best: Option<Piece>,
+    /// Whether nothing was passed over that begins before `best` ends.
+    is_complete: bool,
 }
 
 impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
-    type Output = Option<Piece>;
+    type Output = Around;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Option<Piece> {
-        let slab_ray = SlabRay::new(self.here)?;
-        let end = if self.best.is_some() { self.here.t_max } else { self.here.t_min };
-        let limit = slab_ray.limit(end);
+    fn run<S: Simd>(self, simd: S) -> Around {
+        let Some(slab_ray) = SlabRay::new(self.here) else {
+            return Around { best: self.best, is_complete: true };
+        };
+        let (reach, limit) = (slab_ray.limit(self.here.t_max), slab_ray.limit(self.end));
         let mut visitor = AroundVisitor::<S, P> {
             lanes: P::lanes(simd, &slab_ray),
             find: self,
             slab_ray: &slab_ray,
+            reach,
+            limit,
+            skipped: f32::INFINITY,
         };
         let packed = visitor.find.pieces.packed;
-        traverse::closest(simd, &packed.tree, &slab_ray, limit, &mut visitor);
-        visitor.find.best
+        let skipped = traverse::growing(simd, &packed.tree, &slab_ray, reach, limit, &mut visitor);
+        Around {
+            best: visitor.find.best,
+            is_complete: skipped.min(visitor.skipped) > visitor.limit,
+        }
     }
 }
 
@@ -270,6 +283,10 @@ struct AroundVisitor<'a, S: Simd, P: Kernel> {
     find: FindAround<'a, P>,
     lanes: P::Lanes<S>,
     slab_ray: &'a SlabRay,
+    reach: f32,
+    limit: f32,
+    /// Where the nearest solid begins that was passed over, or before.
+    skipped: f32,
 }
 
 impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for AroundVisitor<'_, S, P> {
@@ -283,11 +300,38 @@ impl<S: Simd, P: Kernel + Solid + PartialEq> traverse::ClosestVisitor<S>
     for AroundVisitor<'_, S, P>
 {
     #[inline(always)]
-    fn leaf(&mut self, simd: S, index: usize, mut limit: f32) -> f32 {
+    fn leaf(&mut self, simd: S, index: usize, _: f32) -> f32 {
+        let block = &self.find.pieces.packed.blocks[index];
+        let Candidates { possible: mut mask, near, .. } =
+            P::candidates::<S, Enhanced>(simd, &self.lanes, block, self.reach);
+        if mask == 0 {
+            return self.limit;
+        }
+        // What begins behind the limit waits, since the limit moves.
+        loop {
+            let ready = mask & simd.mask_not_gt(near, simd.splat(self.limit));
+            if ready == 0 {
+                break;
+            }
+            mask &= !ready;
+            self.test(simd, index, ready);
+        }
+        let near = simd.to_array(near);
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % WIDTH;
+            mask &= mask - 1;
+            self.skipped = self.skipped.min(near[lane]);
+        }
+        self.limit
+    }
+}
+
+impl<S: Simd, P: Kernel + Solid + PartialEq> AroundVisitor<'_, S, P> {
+    /// Tests the lanes of `mask`.
+    #[inline(always)]
+    fn test(&mut self, simd: S, index: usize, mut mask: u32) {
         let pieces = &self.find.pieces;
         let block = &pieces.packed.blocks[index];
-        let Candidates { possible: mut mask, .. } =
-            P::candidates::<S, Enhanced>(simd, &self.lanes, block, limit);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
@@ -296,26 +340,48 @@ impl<S: Simd, P: Kernel + Solid + PartialEq> traverse::ClosestVisitor<S>
                 continue;
             }
             let Some(piece) = piece::<S, P>(simd, pieces, index, lane) else { continue };
-            let better = match (&self.find.best, self.find.search) {
-                (None, _) => pieces.contains_start(&piece),
-                (Some(best), Search::FirstEntry) => {
-                    pieces.contains_start(&piece) && pieces.begins_earlier(&piece, best)
+            let contains_start = || pieces.contains_start(&piece);
+            let Interval { entry, exit, error } = piece.interval;
+            let is_better = match (&self.find.best, self.find.search) {
+                (None, _) => {
+                    contains_start() || {
+                        if exit + error >= f64::from(self.find.here.t_min) {
+                            self.skipped = self.skipped.min(self.begin(entry - error));
+                        }
+                        false
+                    }
                 }
-                (Some(best), Search::LastExit) => {
-                    pieces.ends_later(&piece, best)
-                        && pieces.compare((&piece, End::Entry), (best, End::Exit))
-                            != Ordering::Greater
+                (Some(first), Search::FirstEntry) => {
+                    contains_start() && pieces.begins_earlier(&piece, first)
+                }
+                (Some(last), Search::LastExit) => {
+                    pieces.ends_later(&piece, last) && {
+                        let end = (last, End::Exit);
+                        let follows =
+                            pieces.compare((&piece, End::Entry), end) == Ordering::Greater;
+                        if follows {
+                            self.skipped = self.skipped.min(self.begin(entry - error));
+                        }
+                        !follows
+                    }
                 }
             };
-            if better {
+            if is_better {
                 self.find.best = Some(piece);
                 if self.find.search == Search::LastExit {
-                    let end = (piece.interval.exit + piece.interval.error) as f32;
-                    limit = limit.max(self.slab_ray.limit(end.next_up()));
+                    let end = (exit + error) as f32;
+                    self.limit = self.limit.max(self.slab_ray.limit(end.next_up()));
                 }
             }
         }
-        limit
+    }
+
+    /// Returns the parameter of the traversal at `t` or slightly before; that of a NaN is before
+    /// all.
+    #[inline(always)]
+    fn begin(&self, t: f64) -> f32 {
+        let begin = (t as f32).next_down() * self.slab_ray.scale;
+        if begin.is_nan() { f32::NEG_INFINITY } else { begin }
     }
 }
 

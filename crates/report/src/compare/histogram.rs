@@ -9,12 +9,12 @@ const FOOT: f64 = 24.0;
 const SIDE: f64 = 56.0;
 
 /// Draws the histograms of the sRGB lightness of two pictures, from black to white.
-pub(super) fn of_lightness(vanilla: &Image, enhanced: &Image) -> String {
+pub(super) fn of_lightness([first, second]: [&Image; 2]) -> String {
     let lightness = |picture: &Image| {
         let shown = |&pixel| f64::from(srgb_from_linear(luminance(pixel)));
         count(picture.pixels.iter().map(shown))
     };
-    let curves = [("vanilla", lightness(vanilla)), ("enhanced", lightness(enhanced))];
+    let curves = [("first", lightness(first)), ("second", lightness(second))];
     draw(&curves, ["0", "0.5", "1"])
 }
 

@@ -1,6 +1,6 @@
 //! The page about several comparisons, with a link to the page of each.
 
-use super::{STYLE, Timing, fill};
+use super::{Pair, STYLE, Timing, fill};
 use crate::embed;
 use crate::html::escape;
 use rotund_image::{Difference, EncodeError, Image};
@@ -18,8 +18,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Describes the comparison of a vanilla and an enhanced picture, of which `settings` names
-    /// camera, size and so on.
+    /// Describes the comparison of two pictures, of which `settings` names camera, size and so on.
     ///
     /// # Errors
     ///
@@ -27,21 +26,23 @@ impl Entry {
     pub fn new(
         scene: &str,
         settings: &str,
-        [vanilla, enhanced]: &[Image; 2],
+        pair: &Pair,
+        pictures: &[Image; 2],
         difference: &Difference,
         timings: &[Timing],
     ) -> Result<Self, EncodeError> {
         let name = escape(scene);
+        let [first, second] = pair.names;
         let link = format!("{}/report.html", percent_encoded(scene));
         let m = &difference.metrics;
         let card = format!(
             "<article><a href=\"{link}\"><div class=\"pair\">\
-             <img src=\"{}\" alt=\"{name}, vanilla\"><img src=\"{}\" alt=\"{name}, enhanced\">\
+             <img src=\"{}\" alt=\"{name}, {first}\"><img src=\"{}\" alt=\"{name}, {second}\">\
              </div>\
              <h2>{name}</h2></a>\n<p class=\"settings\">{}</p>\n\
              <p>FLIP {:.4}, {:.1} % of the pixels changed, {:+.2} % light</p></article>\n",
-            embed::thumbnail(vanilla)?,
-            embed::thumbnail(enhanced)?,
+            embed::thumbnail(&pictures[0])?,
+            embed::thumbnail(&pictures[1])?,
             escape(settings),
             m.flip_mean,
             100.0 * m.changed_fraction,
@@ -51,8 +52,8 @@ impl Entry {
         for value in [m.flip_mean, m.mean_abs, m.rel_mse, m.changed_fraction, m.luminance_ratio] {
             row += &format!("<td>{value:.4}</td>");
         }
-        for &Timing { vanilla, enhanced, digits, .. } in timings.iter().take(4) {
-            row += &format!("<td>{vanilla:.digits$}</td><td>{enhanced:.digits$}</td>");
+        for &Timing { values: [first, second], digits, .. } in timings.iter().take(4) {
+            row += &format!("<td>{first:.digits$}</td><td>{second:.digits$}</td>");
         }
         Ok(Self { scene: scene.to_owned(), card, row: row + "</tr>\n" })
     }
@@ -60,13 +61,15 @@ impl Entry {
 
 /// Returns the page.
 #[must_use]
-pub fn page(entries: &[Entry]) -> String {
+pub fn page(pair: &Pair, entries: &[Entry]) -> String {
     let join = |part: fn(&Entry) -> &str| entries.iter().map(part).collect::<String>();
     let count = entries.len().to_string();
     fill(
         PAGE,
         &[
             ("style", STYLE.trim_end()),
+            ("first", pair.names[0]),
+            ("second", pair.names[1]),
             ("count", &count),
             ("cards", &join(|entry| &entry.card)),
             ("rows", &join(|entry| &entry.row)),
@@ -95,12 +98,19 @@ mod tests {
         let picture = |value: f32| Image::from_fn(8, 4, |_, _| [value; 4]);
         let pictures = [picture(0.2), picture(0.4)];
         let difference = Difference::between(&pictures[1], &pictures[0]).unwrap();
-        let timing = Timing { label: "render, s", vanilla: 1.0, enhanced: 2.0, digits: 2 };
+        let timing = Timing { label: "render, s", values: [1.0, 2.0], digits: 2 };
         let entry = |scene: &str| {
-            Entry::new(scene, "64 samples", &pictures, &difference, std::slice::from_ref(&timing))
-                .unwrap()
+            Entry::new(
+                scene,
+                "64 samples",
+                &Pair::METHODS,
+                &pictures,
+                &difference,
+                std::slice::from_ref(&timing),
+            )
+            .unwrap()
         };
-        let html = page(&[entry("shapes4"), entry("a & b")]);
+        let html = page(&Pair::METHODS, &[entry("shapes4"), entry("a & b")]);
         assert!(html.contains("href=\"shapes4/report.html\""));
         assert!(html.contains("href=\"a%20%26%20b/report.html\"") && html.contains("a &amp; b"));
         assert_eq!(html.matches("src=\"data:image/").count(), html.matches("<img ").count());

@@ -25,11 +25,11 @@ pub struct Report<'a> {
     pub scene: &'a str,
     /// Camera, size, samples and so on, in words.
     pub settings: &'a str,
-    /// Picture on the left of the slider.
-    pub vanilla: &'a Image,
-    /// Picture on the right of the slider.
-    pub enhanced: &'a Image,
-    /// Difference of `enhanced` from `vanilla`.
+    /// The names of both renders.
+    pub pair: &'a Pair,
+    /// Pictures on the left and on the right of the slider.
+    pub pictures: [&'a Image; 2],
+    /// Difference of the second picture from the first.
     pub difference: &'a Difference,
     /// Rows of numbers about the two renders.
     pub timings: &'a [Timing],
@@ -37,18 +37,47 @@ pub struct Report<'a> {
     pub equal_time: Option<EqualTime<'a>>,
 }
 
-/// A picture of the faster method that took as long as the other one.
+/// The names of the two renders that are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair {
+    /// Names of the first and of the second.
+    pub names: [&'static str; 2],
+    /// What each is, in words.
+    pub meanings: [&'static str; 2],
+}
+
+impl Pair {
+    /// The vanilla method and the enhanced one.
+    pub const METHODS: Self = Self {
+        names: ["vanilla", "enhanced"],
+        meanings: [
+            "points as discs, lines by distance, quads as two triangles",
+            "points as spheres, lines as rounded cones, quads as bilinear patches",
+        ],
+    };
+
+    /// Overlapping elements with surfaces of their own, and as one body.
+    pub const OVERLAPS: Self = Self {
+        names: ["separate", "union"],
+        meanings: [
+            "each point and line has its own whole surface",
+            "the points or lines of a shape are one body",
+        ],
+    };
+}
+
+/// A picture of the faster render that took as long as the other one.
 #[derive(Clone, Copy, Debug)]
 pub struct EqualTime<'a> {
-    /// Name of the faster method.
+    /// Name of the faster render.
     pub faster: &'static str,
-    /// Picture of the faster method, with more samples.
+    /// Picture of the faster render, with more samples.
     pub picture: &'a Image,
-    /// Samples of the slower method and of the faster one.
+    /// Samples of the slower render and of the faster one.
     pub samples: [u32; 2],
-    /// Seconds of the slower method and of the faster one.
+    /// Seconds of the slower render and of the faster one.
     pub seconds: [f64; 2],
-    /// Differences of enhanced from vanilla at equal time.
+    /// Difference of the second picture from the first at equal time.
     pub metrics: Metrics,
 }
 
@@ -57,10 +86,8 @@ pub struct EqualTime<'a> {
 pub struct Timing {
     /// Name of the number, with its unit.
     pub label: &'static str,
-    /// Value of the vanilla render.
-    pub vanilla: f64,
-    /// Value of the enhanced render.
-    pub enhanced: f64,
+    /// Values of the first and of the second render.
+    pub values: [f64; 2],
     /// Number of digits after the decimal point.
     pub digits: usize,
 }
@@ -71,7 +98,8 @@ pub struct Timing {
 ///
 /// If a picture has no pixels.
 pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
-    let Report { vanilla, enhanced, difference, .. } = report;
+    let Report { pair, pictures: both, difference, .. } = report;
+    let [first, second] = pair.names;
     let worst = crops::worst(&difference.flip, CROP.0, CROP.1, CROP_COUNT);
     let range = maps::signed_range(&difference.signed);
     let signed = maps::signed(&difference.signed, range);
@@ -82,16 +110,17 @@ pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
     } else {
         let mut html = String::from("<div class=\"crops\">\n");
         for (index, crop) in worst.iter().enumerate() {
-            let images = [("vanilla", *vanilla), ("enhanced", *enhanced), ("FLIP", &flip)];
+            let images = [(first, both[0]), (second, both[1]), ("FLIP", &flip)];
             html += &crop_figure(index + 1, crop, images)?;
         }
         html + "</div>"
     };
-    let signed_title =
-        "Luminance of enhanced minus vanilla: red where enhanced is lighter, blue where darker.";
+    let signed_title = format!(
+        "Luminance of {second} minus {first}: red where {second} is lighter, blue where darker."
+    );
     let flip_title = "FLIP: how visible the difference is to someone who flips between the two.";
     let ticks = [format!("\u{2212}{range}"), "0".to_owned(), format!("+{range}")];
-    let maps = map_figure(signed_title, &embed::photo(&signed)?, &ticks, maps::diverging, "")
+    let maps = map_figure(&signed_title, &embed::photo(&signed)?, &ticks, maps::diverging, "")
         + &map_figure(
             flip_title,
             &embed::photo(&flip)?,
@@ -104,17 +133,23 @@ pub fn page(report: &Report<'_>) -> Result<String, EncodeError> {
         &[
             ("scene", &escape(report.scene)),
             ("settings", &escape(report.settings)),
+            ("first", first),
+            ("second", second),
+            ("heading", &heading(pair)),
             ("style", STYLE.trim_end()),
             ("script", SCRIPT.trim_end()),
-            ("width", &vanilla.width.to_string()),
-            ("height", &vanilla.height.to_string()),
-            ("pictures", &pictures(vanilla, enhanced, report.equal_time.as_ref())?),
-            ("choice", &report.equal_time.as_ref().map(choice).unwrap_or_default()),
-            ("lightness", &histogram::of_lightness(report.vanilla, report.enhanced)),
+            ("width", &both[0].width.to_string()),
+            ("height", &both[0].height.to_string()),
+            ("pictures", &pictures(pair, *both, report.equal_time.as_ref())?),
+            (
+                "choice",
+                &report.equal_time.as_ref().map(|longer| choice(pair, longer)).unwrap_or_default(),
+            ),
+            ("lightness", &histogram::of_lightness(*both)),
             ("visibility", &histogram::of_flip(&difference.flip)),
             ("crops", &crops),
-            ("metrics", &metrics_table(difference, report.equal_time.as_ref())),
-            ("timings", &timings_table(report.timings)),
+            ("metrics", &metrics_table(pair, difference, report.equal_time.as_ref())),
+            ("timings", &timings_table(pair, report.timings)),
             ("maps", &maps),
         ],
     ))
@@ -138,30 +173,31 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
     text
 }
 
+/// Returns the names of both, with a capital letter.
+fn heading(pair: &Pair) -> String {
+    let [first, second] = pair.names;
+    let (initial, rest) = first.split_at(1);
+    format!("{}{rest} and {second}", initial.to_uppercase())
+}
+
 /// Returns the pictures that the slider shows over each other.
 fn pictures(
-    vanilla: &Image,
-    enhanced: &Image,
+    pair: &Pair,
+    pictures: [&Image; 2],
     equal_time: Option<&EqualTime<'_>>,
 ) -> Result<String, EncodeError> {
     let mut html = String::new();
-    for (name, image, meaning) in [
-        ("vanilla", vanilla, "points as discs, lines by distance, quads as two triangles"),
-        (
-            "enhanced",
-            enhanced,
-            "points as spheres, lines as rounded cones, quads as bilinear patches",
-        ),
-    ] {
+    for (index, class) in ["first", "second"].into_iter().enumerate() {
+        let (name, meaning, image) = (pair.names[index], pair.meanings[index], pictures[index]);
         let uri = embed::photo(image)?;
         html += &format!(
-            "<img class=\"{name}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">\n"
+            "<img class=\"{class}\" src=\"{uri}\" alt=\"The {name} picture: {meaning}\">\n"
         );
         if let Some(longer) = equal_time.filter(|longer| longer.faster == name) {
             let uri = embed::photo(longer.picture)?;
             let samples = longer.samples[1];
             html += &format!(
-                "<img class=\"{name} longer\" src=\"{uri}\" \
+                "<img class=\"{class} longer\" src=\"{uri}\" \
                  alt=\"The {name} picture with {samples} samples\">\n"
             );
         }
@@ -170,9 +206,9 @@ fn pictures(
 }
 
 /// Returns the buttons that switch between equal samples and equal time.
-fn choice(equal_time: &EqualTime<'_>) -> String {
+fn choice(pair: &Pair, equal_time: &EqualTime<'_>) -> String {
     let EqualTime { faster, samples: [fewer, more], seconds: [slow, fast], .. } = equal_time;
-    let slower = if *faster == "vanilla" { "enhanced" } else { "vanilla" };
+    let slower = pair.names[usize::from(*faster == pair.names[0])];
     format!(
         "<fieldset class=\"choice\"><legend>The two pictures have</legend>\n\
          <label><input type=\"radio\" name=\"equal\" checked> equal samples: {fewer}</label>\n\
@@ -245,15 +281,22 @@ fn marks(crops: &[Crop], width: u32, height: u32) -> String {
     crops.iter().enumerate().map(mark).collect()
 }
 
-fn metrics_table(difference: &Difference, equal_time: Option<&EqualTime<'_>>) -> String {
-    type Row = (&'static str, &'static str, fn(&Metrics) -> f64);
-    let rows: [Row; 9] = [
-        ("mean luminance, enhanced", "", |m| m.mean_luminance_a),
-        ("mean luminance, vanilla", "", |m| m.mean_luminance_b),
-        ("luminance ratio", "enhanced over vanilla", |m| m.luminance_ratio),
-        ("mean_abs", "mean of |e \u{2212} v| in linear RGB", |m| m.mean_abs),
-        ("rmse", "root of the mean of (e \u{2212} v)\u{b2}", |m| m.rmse),
-        ("rel_mse", "mean of (e \u{2212} v)\u{b2} / (v\u{b2} + 0.01)", |m| m.rel_mse),
+fn metrics_table(
+    pair: &Pair,
+    difference: &Difference,
+    equal_time: Option<&EqualTime<'_>>,
+) -> String {
+    type Row<'a> = (&'a str, &'a str, fn(&Metrics) -> f64);
+    let [first, second] = pair.names;
+    let means = [second, first].map(|name| format!("mean luminance, {name}"));
+    let ratio = format!("{second} over {first}");
+    let rows: [Row<'_>; 9] = [
+        (&means[0], "", |m| m.mean_luminance_a),
+        (&means[1], "", |m| m.mean_luminance_b),
+        ("luminance ratio", &ratio, |m| m.luminance_ratio),
+        ("mean_abs", "mean of |b \u{2212} a| in linear RGB, a the first picture", |m| m.mean_abs),
+        ("rmse", "root of the mean of (b \u{2212} a)\u{b2}", |m| m.rmse),
+        ("rel_mse", "mean of (b \u{2212} a)\u{b2} / (a\u{b2} + 0.01)", |m| m.rel_mse),
         ("rel_mse, trimmed", "without the worst 0.1 % of the pixels", |m| m.rel_mse_trimmed),
         ("flip_mean", "0: no visible difference, 1: the largest possible", |m| m.flip_mean),
         ("changed_fraction", "pixels that differ by more than two steps of 8-bit sRGB", |m| {
@@ -277,16 +320,16 @@ fn metrics_table(difference: &Difference, equal_time: Option<&EqualTime<'_>>) ->
     html + "</tbody></table>"
 }
 
-fn timings_table(timings: &[Timing]) -> String {
-    let mut html = String::from(
-        "<table><caption>Time</caption>\n<thead><tr><th></th><th scope=\"col\">vanilla</th>\
-         <th scope=\"col\">enhanced</th><th scope=\"col\">ratio</th></tr></thead><tbody>\n",
+fn timings_table(pair: &Pair, timings: &[Timing]) -> String {
+    let [first, second] = pair.names;
+    let mut html = format!(
+        "<table><caption>Time</caption>\n<thead><tr><th></th><th scope=\"col\">{first}</th>\
+         <th scope=\"col\">{second}</th><th scope=\"col\">ratio</th></tr></thead><tbody>\n",
     );
-    for Timing { label, vanilla, enhanced, digits } in timings {
-        let ratio =
-            if *vanilla > 0.0 { format!("{:.2}", enhanced / vanilla) } else { String::new() };
-        html += &format!("<tr><th scope=\"row\">{label}</th><td>{vanilla:.digits$}</td>");
-        html += &format!("<td>{enhanced:.digits$}</td><td>{ratio}</td></tr>\n");
+    for Timing { label, values: [first, second], digits } in timings {
+        let ratio = if *first > 0.0 { format!("{:.2}", second / first) } else { String::new() };
+        html += &format!("<tr><th scope=\"row\">{label}</th><td>{first:.digits$}</td>");
+        html += &format!("<td>{second:.digits$}</td><td>{ratio}</td></tr>\n");
     }
     html + "</tbody></table>"
 }

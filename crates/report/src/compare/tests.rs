@@ -1,6 +1,6 @@
 //! The content of a page.
 
-use super::{EqualTime, Report, Timing, fill, page};
+use super::{EqualTime, Pair, Report, Timing, fill, page};
 use rotund_image::{Difference, Image};
 
 fn example(scene: &str) -> String {
@@ -11,8 +11,8 @@ fn example(scene: &str) -> String {
     page(&Report {
         scene,
         settings: "camera front, 200 x 100",
-        vanilla: &vanilla,
-        enhanced: &enhanced,
+        pair: &Pair::METHODS,
+        pictures: [&vanilla, &enhanced],
         difference: &Difference::between(&enhanced, &vanilla).unwrap(),
         equal_time: Some(EqualTime {
             faster: "vanilla",
@@ -21,7 +21,7 @@ fn example(scene: &str) -> String {
             seconds: [3.0, 3.01],
             metrics: Difference::between(&enhanced, &vanilla).unwrap().metrics,
         }),
-        timings: &[Timing { label: "render, s", vanilla: 2.0, enhanced: 3.0, digits: 2 }],
+        timings: &[Timing { label: "render, s", values: [2.0, 3.0], digits: 2 }],
     })
     .unwrap()
 }

@@ -1,44 +1,42 @@
 //! One scene by both methods.
 
+use super::subject::Subject;
 use crate::cancel::Cancelled;
-use crate::kinds::{Kind, enhance};
 use crate::output::write_text;
 use crate::scene_source::NamedScene;
 use crate::shot::{Shot, take, take_more};
 use anyhow::Result;
 use rotund_image::{Difference, Image};
 use rotund_report::compare::index::Entry;
-use rotund_report::compare::{EqualTime, Report, Timing};
+use rotund_report::compare::{EqualTime, Pair, Report, Timing};
 use rotund_report::console::Table;
 use rotund_scene::Scene;
 use rotund_trace::Options;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Both renders and their difference. In each pair vanilla is first.
+/// Both renders and their difference.
 #[derive(Debug)]
 pub(super) struct Comparison {
     scene: String,
     camera: String,
     options: Options,
-    kinds: Vec<&'static str>,
+    subject: Subject,
     shots: [Shot; 2],
     pictures: [Image; 2],
     difference: Difference,
     longer: Option<Longer>,
 }
 
-/// The picture of the faster method after the time that the slower one takes.
+/// The picture of the faster render after the time that the slower one takes.
 #[derive(Debug)]
 struct Longer {
-    /// Index into [`NAMES`].
+    /// Index into the names of the pair.
     faster: usize,
     shot: Shot,
     picture: Image,
     difference: Difference,
 }
-
-const NAMES: [&str; 2] = ["vanilla", "enhanced"];
 
 fn write_picture(folder: &Path, name: &str, shot: &Shot) -> Result<()> {
     for extension in ["png", "exr"] {
@@ -63,30 +61,31 @@ impl Comparison {
         source: &mut NamedScene,
         camera: usize,
         options: &Options,
-        kinds: &[Kind],
+        subject: Subject,
         equal_time: bool,
         folder: &Path,
     ) -> Result<Self> {
         let scene = &mut source.scene;
-        enhance(scene, &[]);
-        let vanilla = take(scene, camera, options, NAMES[0])?;
-        if vanilla.interrupted {
-            write_picture(folder, NAMES[0], &vanilla)?;
-            let what = format!("vanilla with {}", vanilla.film.samples());
+        let names = subject.pair().names;
+        subject.prepare(scene, 0);
+        let first = take(scene, camera, options, names[0])?;
+        if first.interrupted {
+            write_picture(folder, names[0], &first)?;
+            let what = format!("{} with {}", names[0], first.film.samples());
             return Err(interrupted(folder, &what, options));
         }
-        enhance(scene, kinds);
-        let enhanced = take(scene, camera, options, NAMES[1])?;
-        let was_interrupted = enhanced.interrupted;
-        let done = enhanced.film.samples();
-        let shots = [vanilla, enhanced];
+        subject.prepare(scene, 1);
+        let second = take(scene, camera, options, names[1])?;
+        let was_interrupted = second.interrupted;
+        let done = second.film.samples();
+        let shots = [first, second];
         let pictures = shots.each_ref().map(|shot| shot.film.image());
         let difference = Difference::between(&pictures[1], &pictures[0])?;
         let mut comparison = Self {
             scene: source.name.clone(),
             camera: source.scene.cameras[camera].name.clone(),
             options: options.clone(),
-            kinds: kinds.iter().map(|kind| kind.name()).collect(),
+            subject,
             shots,
             pictures,
             difference,
@@ -94,32 +93,27 @@ impl Comparison {
         };
         if was_interrupted {
             comparison.write(folder)?;
-            let what = format!("vanilla with all and enhanced with {done}");
+            let what = format!("{} with all and {} with {done}", names[0], names[1]);
             return Err(interrupted(folder, &what, options));
         }
         if equal_time {
-            comparison.longer = comparison.render_longer(&mut source.scene, camera, kinds)?;
+            comparison.longer = comparison.render_longer(&mut source.scene, camera)?;
         }
         Ok(comparison)
     }
 
-    /// Returns `None` if both methods take about as long, or if Ctrl-C is pressed: both pictures
+    /// Returns `None` if both take about as long, or if Ctrl-C is pressed: both pictures
     /// are complete by then.
-    fn render_longer(
-        &self,
-        scene: &mut Scene,
-        camera: usize,
-        kinds: &[Kind],
-    ) -> Result<Option<Longer>> {
+    fn render_longer(&self, scene: &mut Scene, camera: usize) -> Result<Option<Longer>> {
         let [v, e] = self.shots.each_ref().map(|shot| shot.render_seconds);
         let faster = usize::from(e < v);
         let samples = (f64::from(self.options.samples) * v.max(e) / v.min(e).max(1e-9)) as u32;
         if samples <= self.options.samples {
             return Ok(None);
         }
-        enhance(scene, [&[], kinds][faster]);
+        self.subject.prepare(scene, faster);
         let begun = &self.shots[faster];
-        let shot = take_more(scene, camera, &self.options, begun, samples, NAMES[faster])?;
+        let shot = take_more(scene, camera, &self.options, begun, samples, self.names()[faster])?;
         if shot.interrupted {
             return Ok(None);
         }
@@ -132,21 +126,32 @@ impl Comparison {
         Ok(Some(Longer { faster, shot, picture, difference }))
     }
 
+    fn pair(&self) -> &'static Pair {
+        self.subject.pair()
+    }
+
+    fn names(&self) -> [&'static str; 2] {
+        self.pair().names
+    }
+
     pub(super) fn write(&self, folder: &Path) -> Result<()> {
-        for (name, shot) in NAMES.iter().zip(&self.shots) {
+        for (name, shot) in self.names().iter().zip(&self.shots) {
             write_picture(folder, name, shot)?;
         }
-        let title = "luminance of enhanced - vanilla";
-        self.difference.signed_map(title).write(folder.join("difference.png"))?;
+        let [first, second] = self.names();
+        let title = format!("luminance of {second} - {first}");
+        self.difference.signed_map(&title).write(folder.join("difference.png"))?;
         self.difference.flip_map().write(folder.join("flip.png"))?;
         let metrics = serde_json::to_string_pretty(&self.metrics())? + "\n";
         write_text(&folder.join("metrics.json"), &metrics)?;
         write_text(&folder.join("report.html"), &self.report()?)
     }
 
-    /// Returns the content of `metrics.json`. In `difference`, `a` is enhanced and `b` is vanilla.
+    /// Returns the content of `metrics.json`. In `difference`, `a` is the second picture and `b` the
+    /// first.
     pub(super) fn metrics(&self) -> Value {
-        let [vanilla, enhanced] = self.shots.each_ref().map(|shot| {
+        let names = self.names();
+        let shots = self.shots.each_ref().map(|shot| {
             json!({
                 "build_seconds": shot.build_seconds,
                 "render_seconds": shot.render_seconds,
@@ -167,9 +172,9 @@ impl Comparison {
             "samples": self.options.samples,
             "bounces": self.options.bounces,
             "seed": self.options.seed,
-            "kinds": self.kinds,
-            "vanilla": vanilla,
-            "enhanced": enhanced,
+            "kinds": self.subject.kind_names(),
+            (names[0]): shots[0],
+            (names[1]): shots[1],
             "difference": self.difference.metrics,
         });
         if let Some(longer) = &self.longer {
@@ -178,8 +183,8 @@ impl Comparison {
                 json!({ "samples": shot.film.samples(), "render_seconds": shot.render_seconds })
             };
             metrics["equal_time"] = json!({
-                "vanilla": side(0),
-                "enhanced": side(1),
+                (names[0]): side(0),
+                (names[1]): side(1),
                 "difference": longer.difference.metrics,
             });
         }
@@ -187,9 +192,10 @@ impl Comparison {
     }
 
     fn timings(&self) -> Vec<Timing> {
-        let row = |label, digits, value: fn(&Shot) -> f64| {
-            let [vanilla, enhanced] = self.shots.each_ref().map(value);
-            Timing { label, vanilla, enhanced, digits }
+        let row = |label, digits, value: fn(&Shot) -> f64| Timing {
+            label,
+            values: self.shots.each_ref().map(value),
+            digits,
         };
         vec![
             row("build, s", 3, |shot| shot.build_seconds),
@@ -203,12 +209,12 @@ impl Comparison {
     }
 
     pub(super) fn table(&self) -> Table {
-        let mut table = Table::new(&[self.scene.as_str(), "vanilla", "enhanced", "ratio"]);
-        for Timing { label, vanilla, enhanced, digits } in self.timings() {
-            let ratio =
-                if vanilla > 0.0 { format!("{:.2}", enhanced / vanilla) } else { "-".into() };
-            let [vanilla, enhanced] = [vanilla, enhanced].map(|value| format!("{value:.digits$}"));
-            table.row([label.to_owned(), vanilla, enhanced, ratio]);
+        let [first, second] = self.names();
+        let mut table = Table::new(&[self.scene.as_str(), first, second, "ratio"]);
+        for Timing { label, values: [first, second], digits } in self.timings() {
+            let ratio = if first > 0.0 { format!("{:.2}", second / first) } else { "-".into() };
+            let [first, second] = [first, second].map(|value| format!("{value:.digits$}"));
+            table.row([label.to_owned(), first, second, ratio]);
         }
         let m = &self.difference.metrics;
         table.row([
@@ -230,16 +236,23 @@ impl Comparison {
     /// Returns the card of the scene on the page about several scenes.
     pub(super) fn entry(&self) -> Result<Entry> {
         let (pictures, timings) = (&self.pictures, self.timings());
-        Ok(Entry::new(&self.scene, &self.settings(), pictures, &self.difference, &timings)?)
+        Ok(Entry::new(
+            &self.scene,
+            &self.settings(),
+            self.pair(),
+            pictures,
+            &self.difference,
+            &timings,
+        )?)
     }
 
     fn settings(&self) -> String {
         let Options { width, height, samples, bounces, seed, .. } = self.options;
-        let kinds = if self.kinds.is_empty() { "nothing".into() } else { self.kinds.join(", ") };
         format!(
             "camera {}, {width} \u{d7} {height} pixels, {samples} samples, {bounces} bounces, \
-             seed {seed}; enhanced: {kinds}",
-            self.camera
+             seed {seed}; {}",
+            self.camera,
+            self.subject.settings()
         )
     }
 
@@ -247,12 +260,12 @@ impl Comparison {
         let page = rotund_report::compare::page(&Report {
             scene: &self.scene,
             settings: &self.settings(),
-            vanilla: &self.pictures[0],
-            enhanced: &self.pictures[1],
+            pair: self.pair(),
+            pictures: self.pictures.each_ref(),
             difference: &self.difference,
             timings: &self.timings(),
             equal_time: self.longer.as_ref().map(|longer| EqualTime {
-                faster: NAMES[longer.faster],
+                faster: self.names()[longer.faster],
                 picture: &longer.picture,
                 samples: [self.options.samples, longer.shot.film.samples()],
                 seconds: [self.shots[1 - longer.faster].render_seconds, longer.shot.render_seconds],

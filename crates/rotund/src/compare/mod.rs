@@ -1,8 +1,8 @@
 //! `compare <scenes>`: the same picture by both methods, and what changed.
 //!
-//! Renders a scene vanilla and enhanced with equal seeds. Then the faster method continues until it
-//! has taken as long as the other, for a comparison at equal time. The folder of a scene gets
-//! `vanilla` and `enhanced` (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
+//! Renders a scene vanilla and enhanced with equal seeds, or enhanced with overlapping elements
+//! separate and united. Then the faster render continues until it has taken as long as the other,
+//! for a comparison at equal time. The folder of a scene gets both pictures (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
 //! `report.html`. Several scenes get a page `index.html` above their folders.
 
 use crate::built_in;
@@ -14,14 +14,17 @@ use rotund_report::compare::index::{self, Entry};
 use rotund_report::console::say;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use subject::Subject;
 
 mod comparison;
+mod subject;
 
 const EXAMPLES: &str = "\
 Examples:
   rotund compare shapes4
   rotund compare shapes4 --camera front --samples 256 --resolution 2160
   rotund compare path/to/scene.json --kinds lines --out out/only-lines
+  rotund compare vessels --overlap
   rotund compare --all --samples 16";
 
 /// Options of `compare`.
@@ -38,7 +41,11 @@ pub struct Args {
     /// of the scene.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Do not continue the faster method until both have taken equal time.
+    /// Instead of the methods, compare points and lines that keep their whole surfaces where they
+    /// overlap with those that are one body. Both pictures are enhanced.
+    #[arg(long)]
+    overlap: bool,
+    /// Do not continue the faster render until both have taken equal time.
     #[arg(long)]
     no_equal_time: bool,
     /// Print the content of `metrics.json` instead of a table, as a list for several scenes.
@@ -75,7 +82,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         entries.push(entry);
     }
     let page = folder.join("index.html");
-    write_text(&page, &index::page(&entries))?;
+    write_text(&page, &index::page(Subject::pair_of(args.overlap), &entries))?;
     if args.json {
         say(serde_json::to_string_pretty(&Value::Array(all))?)
     } else {
@@ -89,10 +96,10 @@ fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathB
     let (mut scene, camera, options) = args.picture.load(name)?;
     let folder = folder.unwrap_or_else(|| Path::new("out").join(&scene.name));
     prepare_folder(&folder)?;
-    let kinds = args.picture.kinds.kinds();
+    let subject = Subject::new(args.overlap, args.picture.kinds.kinds());
     let equal_time = !args.no_equal_time;
     let comparison = args.picture.shot.with_threads(|| {
-        Comparison::render(&mut scene, camera, &options, &kinds, equal_time, &folder)
+        Comparison::render(&mut scene, camera, &options, subject, equal_time, &folder)
     })?;
     comparison.write(&folder)?;
     if !args.json {
