@@ -109,7 +109,7 @@ pub use error::{SceneError, SceneItem};
 pub use hit::SceneHit;
 pub use intersect::{Route, Trees};
 #[cfg(feature = "load")]
-pub use load::{LoadError, LoadOptions, LoadProblem, Loaded, NamedBy, load, load_bytes};
+pub use load::{LoadError, LoadOptions, LoadProblem, Loaded, NamedBy, Up, load, load_bytes};
 pub use material::{Material, MaterialKind, MaterialPoint};
 pub use overlap::Overlap;
 pub use rotund_geometry as geometry;

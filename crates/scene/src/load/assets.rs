@@ -7,7 +7,9 @@ use super::{
     format::{SceneFile, ShapeFile, SubdivFile, TextureFile},
     image,
     mesh::{self, Mesh},
-    obj, ply, resolve,
+    obj, ply,
+    radius::default_radius,
+    resolve,
     subdivide::{self, Subdivision},
     swc,
     tracks::{tck, trk},
@@ -173,7 +175,18 @@ fn read_texture(context: &Context<'_>, file: &NamedFile) -> Result<Texture, Load
 /// Loads a shape; returns it with warnings.
 fn read_shape(source: &Source<'_, '_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {
     source.get(
-        |file| into_shape(read_mesh(source.context, file)?, file, mesh::DEFAULT_RADIUS),
+        |file| {
+            let mesh = read_mesh(source.context, file)?;
+            // PLY and OBJ are the formats of yocto-gl, which has this default. The others may be in
+            // millimeters or angstroms.
+            let usual = matches!(file.extension().as_str(), "ply" | "obj");
+            let radius = if usual || !mesh.radii.is_empty() {
+                mesh::DEFAULT_RADIUS
+            } else {
+                default_radius(&mesh)
+            };
+            into_shape(mesh, file, radius)
+        },
         |generator| Ok((generator.build()?, Vec::new())),
     )
 }
@@ -184,8 +197,12 @@ pub(super) fn into_shape(
     file: &NamedFile,
     default_radius: f32,
 ) -> Result<(Shape, Vec<String>), LoadError> {
-    let (shape, warnings) =
+    let (mut shape, mut warnings) =
         mesh.into_shape(default_radius).map_err(|problem| file.fail(problem))?;
+    if !shape.colors.is_empty() && shape.colors.iter().all(|color| color.w == 0.0) {
+        shape.colors.par_iter_mut().for_each(|color| color.w = 1.0);
+        warnings.push("alpha is 0 at every vertex; taken as opaque".to_owned());
+    }
     let of_file = |warning| format!("{}: {warning}", file.path.display());
     Ok((shape, warnings.into_iter().map(of_file).collect()))
 }

@@ -71,7 +71,7 @@ impl Faces {
         }
     }
 
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         match self {
             Self::Triangles(triangles) => triangles.is_empty(),
             Self::Quads(quads) => quads.is_empty(),

@@ -7,6 +7,7 @@ mod context;
 mod error;
 mod file;
 mod format;
+mod framing;
 mod image;
 mod lone;
 mod mesh;
@@ -15,13 +16,14 @@ mod older;
 mod options;
 mod placements;
 mod ply;
+mod radius;
 mod resolve;
 mod subdivide;
 mod swc;
 mod tracks;
 
 pub use error::{LoadError, LoadProblem, NamedBy};
-pub use options::LoadOptions;
+pub use options::{LoadOptions, Up};
 
 use crate::Scene;
 use context::Context;
@@ -131,10 +133,14 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     if bytes.starts_with(b"ply") {
         return Err(unsupported(&context));
     }
-    if context.options.radius.is_some() {
-        context.warn(
-            "the radius changes nothing: it is for files of shapes that are loaded by themselves",
-        );
+    let LoadOptions { radius, up, .. } = context.options;
+    for (what, is_given) in [("radius", radius.is_some()), ("up axis", up.is_some())] {
+        if is_given {
+            context.warn(format_args!(
+                "the {what} changes nothing: it is for files of shapes that are loaded by \
+                 themselves"
+            ));
+        }
     }
     let mut file = parse(&mut context, bytes)?;
     older::spell_out(&context, &mut file);
