@@ -5,6 +5,8 @@ mod encode;
 mod error;
 mod file;
 mod format;
+mod hdr;
+mod openexr;
 
 pub use decode::{Decoded, Samples, decode};
 pub use encode::{EXR_ENCODING, encode};

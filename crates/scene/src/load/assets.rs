@@ -20,7 +20,7 @@ use crate::{
     validate,
 };
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::{collections::HashMap, path::PathBuf};
 
 /// The source of a texture or shape: a file by its `uri`, or a generator.
 struct Source<'s, 'a, G> {
@@ -53,22 +53,36 @@ impl<G> Source<'_, '_, G> {
     }
 }
 
-/// Loads all textures, in order.
+/// Loads all textures, in order. A file that several of them name is decoded once.
 pub(super) fn textures(
     context: &mut Context<'_>,
     file: &SceneFile,
 ) -> Result<Vec<Texture>, LoadError> {
     let shared = &*context;
-    let load = |(i, (key, texture)): (usize, &(Option<String>, TextureFile))| {
+    let are_data = resolve::are_data(file);
+    let mut first_of = HashMap::new();
+    let items = file.textures.items.iter().enumerate();
+    let originals: Vec<usize> = items
+        .map(|(i, (_, texture))| match &texture.uri {
+            Some(uri) if texture.generator.is_none() => {
+                *first_of.entry((uri, are_data[i])).or_insert(i)
+            }
+            _ => i,
+        })
+        .collect();
+    let load = |i: usize| {
+        let texture: &TextureFile = &file.textures.items[i].1;
         let source = Source {
             context: shared,
             field: format!("textures[{i}]"),
             uri: texture.uri.as_ref(),
             generator: texture.generator.as_ref(),
         };
-        let mut loaded =
-            source.get(|file| read_texture(shared, file), |generator| generator.build())?;
-        loaded.name = key.clone().unwrap_or_else(|| texture.name.clone());
+        let read = |file: &NamedFile| {
+            image::read(&shared.files.read(file)?, are_data[i])
+                .map_err(|problem| file.fail(problem))
+        };
+        let mut loaded = source.get(read, |generator| generator.build())?;
         let mended = image::mend(&mut loaded);
         loaded.pixels = loaded.pixels.packed(loaded.width);
         let warning = (mended > 0).then(|| {
@@ -78,20 +92,29 @@ pub(super) fn textures(
         });
         Ok((loaded, warning))
     };
-    let loaded: Vec<_> = file.textures.items.par_iter().enumerate().map(load).collect();
-    let mut textures = Vec::new();
-    for result in loaded {
-        match result {
-            Err(error) if context.options.keep_going => {
+    let loaded: Vec<Option<Result<_, LoadError>>> = originals
+        .par_iter()
+        .enumerate()
+        .map(|(i, &original)| (i == original).then(|| load(i)))
+        .collect();
+    let mut textures: Vec<Texture> = Vec::new();
+    for ((result, original), (key, described)) in
+        loaded.into_iter().zip(originals).zip(&file.textures.items)
+    {
+        let texture = match result {
+            None => textures[original].clone(),
+            Some(Err(error)) if context.options.keep_going => {
                 context.warnings.push(format!("texture left out and replaced by white: {error}"));
-                textures.push(Texture::default());
+                Texture::default()
             }
-            result => {
+            Some(result) => {
                 let (texture, warning) = result?;
-                textures.push(texture);
                 context.warnings.extend(warning);
+                texture
             }
-        }
+        };
+        let name = key.clone().unwrap_or_else(|| described.name.clone());
+        textures.push(Texture { name, ..texture });
     }
     Ok(textures)
 }
@@ -164,12 +187,6 @@ pub(super) fn files(context: &Context<'_>, file: &SceneFile) -> Vec<PathBuf> {
     files.sort();
     files.dedup();
     files
-}
-
-fn read_texture(context: &Context<'_>, file: &NamedFile) -> Result<Texture, LoadError> {
-    let format = image::format(file.extension()).map_err(|problem| file.fail(problem))?;
-    let bytes = context.files.read(file)?;
-    image::read(&bytes, format).map_err(|problem| file.fail(problem))
 }
 
 /// Loads a shape; returns it with warnings.

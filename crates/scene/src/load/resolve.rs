@@ -130,6 +130,23 @@ pub(super) fn subdivs(file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadPro
     file.subdivs.items.iter().enumerate().map(resolve).collect()
 }
 
+/// Returns for each texture whether it is data anywhere, such as a height, and not a colour.
+pub(super) fn are_data(file: &SceneFile) -> Vec<bool> {
+    let textures = Names::new("textures", &file.textures, |texture| &texture.name);
+    let of_materials = file.materials.items.iter();
+    let references = of_materials
+        .flat_map(|(_, material)| [&material.normal_tex, &material.roughness_tex])
+        .chain(file.subdivs.items.iter().map(|(_, subdiv)| &subdiv.displacement_tex));
+    let mut are_data = vec![false; file.textures.items.len()];
+    for reference in references {
+        // Whoever needs the texture reports a reference to nothing.
+        if let Ok(Some(index)) = textures.optional(&String::new, reference.as_ref()) {
+            are_data[index as usize] = true;
+        }
+    }
+    are_data
+}
+
 /// The names of the items of one array, to resolve references.
 struct Names<'a> {
     what: &'static str,
