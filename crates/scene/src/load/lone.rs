@@ -1,36 +1,107 @@
 //! Default scenes for the file of a shape that is loaded by itself, and default cameras.
 
-use super::{assets, context::Context, error::LoadError, file::NamedFile, mesh};
+use super::{
+    assets,
+    context::Context,
+    error::LoadError,
+    file::NamedFile,
+    materials,
+    mesh::{self, MeshMaterial, Part},
+};
 use crate::{
     Camera, Elements, Environment, Instance, Material, MaterialKind, Scene, Shape, generate,
 };
-use glam::{Affine3A, Mat3A, Vec3};
+use glam::{Affine3A, DVec3, Mat3A, Vec3};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
+use std::{collections::HashMap, path::PathBuf};
 
-/// Loads the shape in a file, with a camera, a floor and a sky.
-pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
+/// Loads the shapes in a file, with a camera, a floor and a sky; returns the scene with the other
+/// files that were read.
+pub(super) fn load(context: &mut Context<'_>) -> Result<(Scene, Vec<PathBuf>), LoadError> {
     let file = NamedFile::given(&context.scene);
-    let mesh = assets::read_mesh(context, &file)?;
+    let mut mesh = assets::read_mesh(context, &file)?;
+    materials::warn_of_undefined(&mut mesh);
     let radius = match context.options.radius {
         Some(radius) if radius.is_finite() && radius > 0.0 => radius,
         Some(radius) => return Err(context.unexpected("radius", radius, "a positive number")),
         None if mesh.radii.is_empty() => default_radius(&mesh.positions),
         None => mesh::DEFAULT_RADIUS,
     };
-    let (mut shape, warnings) = assets::into_shape(mesh, &file, radius)?;
-    context.warnings.extend(warnings);
-    shape.name = context.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if context.options.radius.is_some() {
-        shape.radii.fill(radius);
+    if mesh.offset != DVec3::ZERO {
+        let [x, y, z] = mesh.offset.to_array();
+        mesh.warnings.push(format!(
+            "coordinates are far from the origin; {x} {y} {z} is subtracted from all"
+        ));
     }
-    let bounds = bounds_of(&shape);
+    let of_materials = std::mem::take(&mut mesh.materials);
+    let mut files = std::mem::take(&mut mesh.files);
+    let warnings = std::mem::take(&mut mesh.warnings);
+    warnings.iter().for_each(|warning| context.warn(warning));
+    let mut parts = mesh.into_parts(radius);
+    for part in &mut parts {
+        part.shape.name =
+            context.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if context.options.radius.is_some() {
+            part.shape.radii.fill(radius);
+        }
+    }
+    let bounds = parts.iter().map(|part| bounds_of(&part.shape)).fold(Aabb::EMPTY, Aabb::union);
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if largest > LARGEST {
         let expected = "at most 1e15, to be framed by a camera";
         return Err(context.unexpected("the largest coordinate", largest, expected));
     }
-    Ok(around(shape))
+    let mut scene = around(&parts);
+    place(context, &file, &mut scene, parts, of_materials, &mut files);
+    Ok((scene, files))
+}
+
+/// Adds the parts of a file with their materials to the scene around them.
+fn place(
+    context: &mut Context<'_>,
+    file: &NamedFile,
+    scene: &mut Scene,
+    parts: Vec<Part>,
+    materials: Vec<MeshMaterial>,
+    files: &mut Vec<PathBuf>,
+) {
+    let mut texture_of = HashMap::new();
+    for Part { shape, material } in parts {
+        let own = material.map(|index| materials[index as usize].clone()).unwrap_or_default();
+        let texture = own.texture.and_then(|name| {
+            *texture_of.entry(name).or_insert_with_key(|name| {
+                match materials::texture(context, file, name) {
+                    Ok((texture, read)) => {
+                        files.push(read.path);
+                        scene.textures.push(texture);
+                        Some(scene.textures.len() as u32 - 1)
+                    }
+                    Err(warning) => {
+                        context.warn(warning);
+                        None
+                    }
+                }
+            })
+        });
+        // Texture coordinates are needed for the image to be seen, else it is that of one texel.
+        let texture = texture.filter(|_| !shape.texcoords.is_empty());
+        let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));
+        let grey = if texture.is_some() { Vec3::ONE } else { Vec3::splat(0.7) };
+        // Some programs write black beside an image.
+        let color = own.color.filter(|color| texture.is_none() || *color != Vec3::ZERO);
+        let material = Material {
+            name: if own.name.is_empty() { shape.name.clone() } else { own.name },
+            kind: if has_faces { MaterialKind::Matte } else { MaterialKind::Glossy },
+            color: color.unwrap_or(grey),
+            color_tex: texture,
+            roughness: 0.3,
+            ..Material::default()
+        };
+        let name = shape.name.clone();
+        let instance = scene.add(shape, material);
+        scene.instances[instance as usize].name = name;
+    }
 }
 
 /// The largest coordinate of a shape whose camera is finite: squares of larger distances overflow.
@@ -140,36 +211,24 @@ fn balls(shape: &Shape) -> impl ParallelIterator<Item = (Vec3, f32)> {
     shape.positions.par_iter().enumerate().map(move |(i, position)| (*position, radius(i)))
 }
 
-fn around(shape: Shape) -> Scene {
+/// Returns the scene without the parts themselves.
+fn around(parts: &[Part]) -> Scene {
     let grow = |bounds: Aabb, (p, radius)| bounds.union(Aabb { min: p - radius, max: p + radius });
-    let bounds = balls(&shape).fold(|| Aabb::EMPTY, grow).reduce(|| Aabb::EMPTY, Aabb::union);
+    let all = || parts.par_iter().flat_map(|part| balls(&part.shape));
+    let bounds = all().fold(|| Aabb::EMPTY, grow).reduce(|| Aabb::EMPTY, Aabb::union);
     let center = bounds.center();
-    let reach = balls(&shape).map(|(p, radius)| p.distance(center) + radius);
+    let reach = all().map(|(p, radius)| p.distance(center) + radius);
     let reach = reach.reduce(|| 0.0, f32::max);
     let extent = extent(center, reach);
     let floor_height = bounds.min.y;
     let camera = camera_around(bounds, extent);
     let built = "constant parameters that fit";
     let floor = generate::Geometry::floor(40.0 * extent, 80.0).build().expect(built);
-    let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));
-    let material = Material {
-        name: shape.name.clone(),
-        kind: if has_faces { MaterialKind::Matte } else { MaterialKind::Glossy },
-        color: Vec3::splat(0.7),
-        roughness: 0.3,
-        ..Material::default()
-    };
     let ground = Material {
         name: "floor".to_owned(),
         color: Vec3::splat(0.7),
         color_tex: Some(1),
         ..Material::default()
-    };
-    let place = |name: &str, index, frame| Instance {
-        name: name.to_owned(),
-        world_from_object: frame,
-        shape: index,
-        material: index,
     };
     let under = Affine3A::from_translation(Vec3::new(center.x, floor_height, center.z));
     Scene {
@@ -184,8 +243,12 @@ fn around(shape: Shape) -> Scene {
             generate::Image::clear_sky().build().expect(built),
             generate::Image::floor_grid().build().expect(built),
         ],
-        instances: vec![place("floor", 0, under), place(&shape.name, 1, Affine3A::IDENTITY)],
-        materials: vec![ground, material],
-        shapes: vec![floor, shape],
+        instances: vec![Instance {
+            name: "floor".to_owned(),
+            world_from_object: under,
+            ..Instance::new(0, 0)
+        }],
+        materials: vec![ground],
+        shapes: vec![floor],
     }
 }

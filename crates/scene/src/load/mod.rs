@@ -3,16 +3,20 @@
 mod assets;
 mod check;
 mod collection;
+mod colors;
 mod context;
 mod error;
+mod far;
 mod file;
 mod format;
 mod image;
 mod lone;
+mod materials;
 mod mesh;
 mod obj;
 mod older;
 mod options;
+mod place;
 mod placements;
 mod ply;
 mod resolve;
@@ -98,8 +102,11 @@ pub fn load_bytes<'a>(
 ) -> Result<Loaded, LoadError> {
     let name = name.as_ref();
     if assets::is_mesh(&file::extension(name)) {
-        let only = |_: &str| Some(Cow::Borrowed(bytes));
-        return load_lone(Context::new(name, options, Files::Memory(&only)));
+        let path = file::slashed(name);
+        let own = |asked: &str| {
+            if asked == path { Some(Cow::Borrowed(bytes)) } else { files(asked) }
+        };
+        return load_lone(Context::new(name, options, Files::Memory(&own)));
     }
     let context = Context::new(name, options, Files::Memory(files));
     check_extension(&context)?;
@@ -107,8 +114,8 @@ pub fn load_bytes<'a>(
 }
 
 fn load_lone(mut context: Context<'_>) -> Result<Loaded, LoadError> {
-    let scene = lone::load(&mut context)?;
-    let files = vec![context.scene.clone()];
+    let (scene, mut files) = lone::load(&mut context)?;
+    files.insert(0, context.scene.clone());
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
@@ -142,11 +149,12 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     placements::expand(&context, &mut file)?;
     let mut scene = resolve::resolve(&mut context, &file)?;
     scene.textures = assets::textures(&mut context, &file)?;
-    scene.shapes = assets::shapes(&mut context, &file, &scene.textures)?;
+    let (shapes, more) = assets::shapes(&mut context, &file, &scene.textures)?;
+    place::shapes(&mut scene, &file, shapes);
     if scene.cameras.is_empty() {
         scene.cameras.extend(lone::camera_for(&scene));
     }
-    let files = assets::files(&context, &file);
+    let files = assets::files(&context, &file, more);
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
