@@ -78,6 +78,11 @@ pub enum LoadProblem {
         line: usize,
         problem: String,
     },
+    /// A line of points as text.
+    PointsLine {
+        line: usize,
+        problem: String,
+    },
     /// The header of a file of streamlines, TCK or TRK.
     TracksHeader {
         problem: String,
@@ -177,7 +182,9 @@ impl fmt::Display for LoadProblem {
             ),
             Self::NotPly => f.write_str("is not a PLY file: it does not start with a line `ply`"),
             Self::PlyHeader { line, problem } => write!(f, "line {line} of the header: {problem}"),
-            Self::ObjLine { line, problem } | Self::SwcLine { line, problem } => {
+            Self::ObjLine { line, problem }
+            | Self::SwcLine { line, problem }
+            | Self::PointsLine { line, problem } => {
                 write!(f, "line {line}: {problem}")
             }
             Self::TracksHeader { problem } => write!(f, "header: {problem}"),

@@ -1,7 +1,7 @@
 //! The part of space that a default camera frames: where the drawn vertices are, without outliers.
 
 use super::{
-    mesh::{Faces, Mesh},
+    mesh::{FaceElements, Mesh},
     options::Up,
 };
 use crate::{Elements, Shape};
@@ -39,9 +39,9 @@ impl<'a> Drawn<'a> {
     /// Returns the vertices of a mesh without their radii; its indices may be out of range.
     pub(super) fn of_mesh(mesh: &'a Mesh) -> Self {
         let count = mesh.positions.len();
-        let faces = match &mesh.faces {
-            Faces::Triangles(triangles) => triangles.as_flattened(),
-            Faces::Quads(quads) => quads.as_flattened(),
+        let faces = match &mesh.faces.elements {
+            FaceElements::Triangles(triangles) => triangles.as_flattened(),
+            FaceElements::Quads(quads) => quads.as_flattened(),
         };
         let lines = mesh.lines.as_flattened();
         let joined = !(lines.is_empty() && faces.is_empty());
@@ -188,7 +188,7 @@ fn farthest_octave(counts: &Octaves, joined: bool) -> usize {
     let mut outside = 0;
     // Without any extent, nothing is far away.
     let first = (1..=last).find(|&octave| counts[octave] > 0).unwrap_or(last);
-    for octave in (first + 1..=last).rev() {
+    for octave in (first..=last).rev() {
         outside += counts[octave];
         if outside > allowed {
             // The octave holds the farthest vertices that must be inside.
@@ -198,7 +198,7 @@ fn farthest_octave(counts: &Octaves, joined: bool) -> usize {
             break;
         }
         let below = &counts[octave.saturating_sub(empty)..octave];
-        if counts[octave] > 0 && below.iter().all(|&count| count == 0) {
+        if octave > first && counts[octave] > 0 && below.iter().all(|&count| count == 0) {
             farthest = octave - 1;
         }
     }

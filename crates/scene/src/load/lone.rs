@@ -6,24 +6,27 @@ use super::{
     error::LoadError,
     file::NamedFile,
     framing::{Drawn, Frame, LARGEST, extent, frame},
-    mesh::Mesh,
+    materials,
+    mesh::{Mesh, MeshMaterial, Part},
     options::Up,
+    points,
     radius::default_radius,
 };
-use crate::{
-    Camera, Elements, Environment, Instance, Material, MaterialKind, Scene, Shape, generate,
-};
-use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use crate::{Camera, Elements, Environment, Material, MaterialKind, Scene, generate};
+use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
+use std::{collections::HashMap, path::PathBuf};
 
-/// Loads the shape in a file, with a camera, a floor and a sky.
-pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
+/// Loads the shapes in a file, with a camera, a floor and a sky; returns the scene with the other
+/// files that were read.
+pub(super) fn load(context: &mut Context<'_>) -> Result<(Scene, Vec<PathBuf>), LoadError> {
     let file = NamedFile::given(&context.scene);
     let mut mesh = assets::read_mesh(context, &file)?;
+    materials::warn_of_undefined(&mut mesh);
     let up = context.options.up.unwrap_or_else(|| up_of(&file.extension(), &mesh));
     if !mesh.radii.is_empty() && mesh.radii.iter().all(|&radius| radius == 0.0) {
-        context.warn("all radii are 0; taken as if there were none");
+        mesh.warnings.push("all radii are 0; taken as if there were none".to_owned());
         mesh.radii.clear();
     }
     let given = !mesh.radii.is_empty();
@@ -32,13 +35,26 @@ pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
         Some(radius) => return Err(context.unexpected("radius", radius, "a positive number")),
         None => default_radius(&mesh),
     };
-    let (mut shape, warnings) = assets::into_shape(mesh, &file, radius)?;
-    context.warnings.extend(warnings);
-    shape.name = context.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if context.options.radius.is_some() {
-        shape.radii.fill(radius);
+    if mesh.offset != DVec3::ZERO {
+        let [x, y, z] = mesh.offset.to_array();
+        mesh.warnings.push(format!(
+            "coordinates are far from the origin; {x} {y} {z} is subtracted from all"
+        ));
     }
-    let framed = frame(&[Drawn::of_shape(&shape, up)]);
+    let of_materials = std::mem::take(&mut mesh.materials);
+    let mut files = std::mem::take(&mut mesh.files);
+    let warnings = std::mem::take(&mut mesh.warnings);
+    warnings.iter().for_each(|warning| context.warn(warning));
+    let mut parts = mesh.into_parts(radius);
+    let name = context.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    for part in &mut parts {
+        part.shape.name.clone_from(&name);
+        if context.options.radius.is_some() {
+            part.shape.radii.fill(radius);
+        }
+    }
+    let drawn: Vec<Drawn<'_>> = parts.iter().map(|part| Drawn::of_shape(&part.shape, up)).collect();
+    let framed = frame(&drawn);
     let largest = framed.bounds.min.abs().max(framed.bounds.max.abs()).max_element();
     if largest > LARGEST {
         let expected = "at most 1e15, to be framed by a camera";
@@ -52,9 +68,18 @@ pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
         ));
     }
     if given && context.options.radius.is_none() {
-        warn_of_thin(context, &shape, framed.reach);
+        warn_of_thin(context, &parts, framed.reach);
     }
-    Ok(around(shape, &framed, up, !context.options.without_floor))
+    let mut scene = around(&framed, !context.options.without_floor);
+    let first = scene.instances.len();
+    place(context, &file, &mut scene, parts, of_materials, &mut files);
+    if up == Up::Z {
+        let upright = Mat3A::from_cols(Vec3A::X, Vec3A::NEG_Z, Vec3A::Y);
+        for instance in &mut scene.instances[first..] {
+            instance.world_from_object.matrix3 = upright;
+        }
+    }
+    Ok((scene, files))
 }
 
 /// Returns the axis that points up in most files of this format.
@@ -65,17 +90,19 @@ pub(super) fn load(context: &mut Context<'_>) -> Result<Scene, LoadError> {
 fn up_of(extension: &str, mesh: &Mesh) -> Up {
     match extension {
         "tck" | "trk" => Up::Z,
+        text if points::EXTENSIONS.contains(&text) => Up::Z,
         "ply" if mesh.lines.is_empty() && mesh.faces.is_empty() => Up::Z,
         _ => Up::Y,
     }
 }
 
 /// Warns if most radii in the file are so small that a picture does not show them.
-fn warn_of_thin(context: &mut Context<'_>, shape: &Shape, reach: f32) {
+fn warn_of_thin(context: &mut Context<'_>, parts: &[Part], reach: f32) {
     // A 10th of a pixel of a picture of 720 x 480 pixels.
     let least = reach / 4000.0;
-    let step = (shape.radii.len() / 4096).max(1);
-    let mut sample: Vec<f32> = shape.radii.iter().step_by(step).copied().collect();
+    let count: usize = parts.iter().map(|part| part.shape.radii.len()).sum();
+    let radii = parts.iter().flat_map(|part| &part.shape.radii);
+    let mut sample: Vec<f32> = radii.step_by((count / 4096).max(1)).copied().collect();
     sample.sort_unstable_by(f32::total_cmp);
     if let Some(&usual) = sample.get(sample.len() / 2).filter(|&&usual| usual < least) {
         context.warn(format_args!(
@@ -134,16 +161,11 @@ fn camera_around(bounds: Aabb, extent: f32) -> Camera {
     }
 }
 
-/// Surrounds a shape with a camera, a sky and, if asked for, a floor.
-fn around(shape: Shape, framed: &Frame, up: Up, with_floor: bool) -> Scene {
+/// Returns a scene with a camera, a sky and, if asked for, a floor.
+fn around(framed: &Frame, with_floor: bool) -> Scene {
     let bounds = framed.bounds;
     let extent = extent(bounds.center(), framed.reach);
     let built = "constant parameters that fit";
-    let upright = match up {
-        Up::Y => Mat3A::IDENTITY,
-        Up::Z => Mat3A::from_cols(Vec3A::X, Vec3A::NEG_Z, Vec3A::Y),
-    };
-    let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));
     let mut scene = Scene {
         cameras: vec![camera_around(bounds, extent)],
         environments: vec![Environment {
@@ -159,37 +181,64 @@ fn around(shape: Shape, framed: &Frame, up: Up, with_floor: bool) -> Scene {
         // Half a pixel of a picture of 720 x 480 pixels lower: flat shapes would lie in the floor.
         let height = bounds.min.y - extent / 400.0;
         let center = Vec3::new(bounds.center().x, height, bounds.center().z);
-        let material = Material {
+        let ground = Material {
             name: "floor".to_owned(),
             color: Vec3::splat(0.7),
             color_tex: Some(1),
             ..Material::default()
         };
-        let floor = generate::Geometry::floor(40.0 * extent, 80.0).build().expect(built);
-        let floor = Shape { name: "floor".to_owned(), ..floor };
         scene.textures.push(generate::Image::floor_grid().build().expect(built));
-        place(&mut scene, floor, material, Affine3A::from_translation(center));
+        let floor = generate::Geometry::floor(40.0 * extent, 80.0).build().expect(built);
+        let index = scene.add(floor, ground) as usize;
+        scene.instances[index].name = "floor".to_owned();
+        scene.instances[index].world_from_object = Affine3A::from_translation(center);
     }
-    let material = Material {
-        name: shape.name.clone(),
-        kind: if has_faces { MaterialKind::Matte } else { MaterialKind::Glossy },
-        color: Vec3::splat(0.7),
-        roughness: 0.3,
-        ..Material::default()
-    };
-    place(&mut scene, shape, material, Affine3A::from_mat3(upright.into()));
     scene
 }
 
-/// Adds an instance of a shape with a material of its own.
-fn place(scene: &mut Scene, shape: Shape, material: Material, frame: Affine3A) {
-    let index = scene.shapes.len() as u32;
-    scene.instances.push(Instance {
-        name: shape.name.clone(),
-        world_from_object: frame,
-        shape: index,
-        material: index,
-    });
-    scene.shapes.push(shape);
-    scene.materials.push(material);
+/// Adds the parts of a file with their materials to the scene around them.
+fn place(
+    context: &mut Context<'_>,
+    file: &NamedFile,
+    scene: &mut Scene,
+    parts: Vec<Part>,
+    materials: Vec<MeshMaterial>,
+    files: &mut Vec<PathBuf>,
+) {
+    let mut texture_of = HashMap::new();
+    for Part { shape, material } in parts {
+        let own = material.map(|index| materials[index as usize].clone()).unwrap_or_default();
+        let texture = own.texture.and_then(|name| {
+            *texture_of.entry(name).or_insert_with_key(|name| {
+                match materials::texture(context, file, name) {
+                    Ok((texture, read)) => {
+                        files.push(read.path);
+                        scene.textures.push(texture);
+                        Some(scene.textures.len() as u32 - 1)
+                    }
+                    Err(warning) => {
+                        context.warn(warning);
+                        None
+                    }
+                }
+            })
+        });
+        // Texture coordinates are needed for the image to be seen, else it is that of one texel.
+        let texture = texture.filter(|_| !shape.texcoords.is_empty());
+        let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));
+        let grey = if texture.is_some() { Vec3::ONE } else { Vec3::splat(0.7) };
+        // Some programs write black beside an image.
+        let color = own.color.filter(|color| texture.is_none() || *color != Vec3::ZERO);
+        let material = Material {
+            name: if own.name.is_empty() { shape.name.clone() } else { own.name },
+            kind: if has_faces { MaterialKind::Matte } else { MaterialKind::Glossy },
+            color: color.unwrap_or(grey),
+            color_tex: texture,
+            roughness: 0.3,
+            ..Material::default()
+        };
+        let name = shape.name.clone();
+        let instance = scene.add(shape, material);
+        scene.instances[instance as usize].name = name;
+    }
 }

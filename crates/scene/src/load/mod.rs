@@ -3,19 +3,24 @@
 mod assets;
 mod check;
 mod collection;
+mod colors;
 mod context;
 mod error;
+mod far;
 mod file;
 mod format;
 mod framing;
 mod image;
 mod lone;
+mod materials;
 mod mesh;
 mod obj;
 mod older;
 mod options;
+mod place;
 mod placements;
 mod ply;
+mod points;
 mod radius;
 mod resolve;
 mod subdivide;
@@ -100,8 +105,11 @@ pub fn load_bytes<'a>(
 ) -> Result<Loaded, LoadError> {
     let name = name.as_ref();
     if assets::is_mesh(&file::extension(name)) {
-        let only = |_: &str| Some(Cow::Borrowed(bytes));
-        return load_lone(Context::new(name, options, Files::Memory(&only)));
+        let path = file::slashed(name);
+        let own = |asked: &str| {
+            if asked == path { Some(Cow::Borrowed(bytes)) } else { files(asked) }
+        };
+        return load_lone(Context::new(name, options, Files::Memory(&own)));
     }
     let context = Context::new(name, options, Files::Memory(files));
     check_extension(&context)?;
@@ -109,8 +117,8 @@ pub fn load_bytes<'a>(
 }
 
 fn load_lone(mut context: Context<'_>) -> Result<Loaded, LoadError> {
-    let scene = lone::load(&mut context)?;
-    let files = vec![context.scene.clone()];
+    let (scene, mut files) = lone::load(&mut context)?;
+    files.insert(0, context.scene.clone());
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
@@ -124,7 +132,7 @@ fn check_extension(context: &Context<'_>) -> Result<(), LoadError> {
 
 fn unsupported(context: &Context<'_>) -> LoadError {
     let extension = file::extension(&context.scene);
-    let supported = "json, ply, obj, swc, tck and trk";
+    let supported = "json, ply, obj, swc, tck, trk, xyz, txt, csv, pts and asc";
     context.fail(LoadProblem::Unsupported { extension, supported })
 }
 
@@ -148,11 +156,12 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     placements::expand(&context, &mut file)?;
     let mut scene = resolve::resolve(&mut context, &file)?;
     scene.textures = assets::textures(&mut context, &file)?;
-    scene.shapes = assets::shapes(&mut context, &file, &scene.textures)?;
+    let (shapes, more) = assets::shapes(&mut context, &file, &scene.textures)?;
+    place::shapes(&mut scene, &file, shapes);
     if scene.cameras.is_empty() {
         scene.cameras.extend(lone::camera_for(&scene));
     }
-    let files = assets::files(&context, &file);
+    let files = assets::files(&context, &file, more);
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
