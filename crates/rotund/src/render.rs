@@ -48,7 +48,8 @@ fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
+    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
+    /// TXT, CSV, PTS or ASC file.
     scene: String,
     /// The image to write: png or jpg (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,jpg,exr,hdr}", required_unless_present = "checkpoint")]

@@ -96,7 +96,7 @@ pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(Stri
     if !is_path {
         bail!(
             "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a \
-             JSON, PLY, OBJ, SWC, TCK or TRK file",
+             JSON, PLY, OBJ, SWC, TCK, TRK, XYZ, TXT, CSV, PTS or ASC file",
             built_in::names().collect::<Vec<_>>().join(", ")
         );
     }

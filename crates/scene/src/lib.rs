@@ -77,8 +77,8 @@
 //! # Features
 //!
 //! `load`, on by default, adds the functions `load` and `load_bytes` with their readers of JSON,
-//! PLY, OBJ, SWC, TCK, TRK and images. Without it the crate depends on Rotund's geometry, trees and
-//! colour conversions, `glam` and `rayon` alone.
+//! PLY, OBJ, SWC, TCK, TRK, points as text and images. Without it the crate depends on Rotund's
+//! geometry, trees and colour conversions, `glam` and `rayon` alone.
 
 mod camera;
 mod environment;

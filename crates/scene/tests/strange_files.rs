@@ -48,8 +48,8 @@ fn messages_for_files_that_are_no_scenes_are_plain() {
     let table: [(&str, &str, Vec<u8>, &[&str]); 16] = [
         ("UTF-16", "scene.json", utf16(SCENE), &["UTF-16", "UTF-8"]),
         ("an OBJ in UTF-16", "thing.obj", utf16(QUAD), &["UTF-16", "UTF-8"]),
-        ("another format", "movie.gltf", b"{}".to_vec(), &["\"gltf\"", "json, ply, obj, swc, tck and trk"]),
-        ("a PLY by another name", "mesh", b"ply\nformat".to_vec(), &["\"\"", "json, ply, obj, swc, tck and trk"]),
+        ("another format", "movie.gltf", b"{}".to_vec(), &["\"gltf\"", "json, ply, obj, swc, tck, trk, xyz"]),
+        ("a PLY by another name", "mesh", b"ply\nformat".to_vec(), &["\"\"", "json, ply, obj, swc, tck, trk, xyz"]),
         ("null", "scene.json", b"null".to_vec(), &["null", "expected an object"]),
         ("an array", "scene.json", b"[]".to_vec(), &["sequence", "expected an object"]),
         ("an item in brackets", "scene.json", materials("[[]]"), &["materials[0]", "an object"]),

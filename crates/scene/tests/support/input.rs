@@ -9,8 +9,15 @@ pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<
             let scene = AROUND_A_SHAPE.replace("FILE", &name);
             Some((name, bytes.to_vec(), scene.into_bytes()))
         }
+        "points" => {
+            // The first byte selects the format, which decides where the content leaves a choice.
+            let (first, bytes) = bytes.split_first()?;
+            let name = ["points.xyz", "points.txt", "points.pts"][usize::from(first % 3)];
+            let scene = AROUND_A_SHAPE.replace("FILE", name);
+            Some((name.to_owned(), bytes.to_vec(), scene.into_bytes()))
+        }
         "texture" => {
-            // The first byte selects the format.
+            // The first byte selects the name, which does not matter.
             let (first, bytes) = bytes.split_first()?;
             let name = ["image.png", "image.jpg", "image.hdr", "image.exr"][usize::from(first % 4)];
             let scene = AROUND_A_TEXTURE.replace("FILE", name);
