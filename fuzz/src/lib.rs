@@ -8,8 +8,9 @@
 //!     -max_len=2048 -max_total_time=900
 //! ```
 //!
-//! and likewise for `obj`, `swc`, `tck`, `trk`, `points`, `scene` and `texture`. A file of `trk` has
-//! a header of 1000 bytes. Add failing inputs to `crates/scene/tests/corpus/`, which `cargo test` replays.
+//! and likewise for `obj`, `swc`, `tck`, `trk`, `points`, `scene` and `texture`. A file of `trk`
+//! has a header of 1000 bytes. Add failing inputs to `crates/scene/tests/corpus/`, which `cargo
+//! test` replays.
 
 use rotund_scene::{LoadOptions, load};
 use std::{

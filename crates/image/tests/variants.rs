@@ -103,8 +103,8 @@ fn a_header_of_hdr_that_makes_no_sense_is_refused_with_its_line() {
     }
 }
 
-/// Returns an EXR file with one value for each channel. `windows` are start and size of the data and
-/// of the display.
+/// Returns an EXR file with one value for each channel. `windows` are start and size of the data
+/// and of the display.
 fn exr(channels: &[(&str, f32)], windows: [([i32; 2], [usize; 2]); 2]) -> Vec<u8> {
     let [(start, size), (display_start, display_size)] = windows;
     let list: SmallVec<[_; 4]> = channels

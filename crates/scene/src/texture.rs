@@ -128,8 +128,8 @@ impl Texture {
         }
     }
 
-    /// Returns the channels at `uv` as data: integers are divided by the largest one and not decoded
-    /// from sRGB.
+    /// Returns the channels at `uv` as data: integers are divided by the largest one and not
+    /// decoded from sRGB.
     /// The filter and the panics are those of [`Self::color`].
     #[must_use]
     pub fn data(&self, uv: Vec2) -> Vec4 {

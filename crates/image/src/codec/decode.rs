@@ -1,75 +1,19 @@
 //! Bytes to images.
 
+use super::decoded::{Decoded, Samples};
 use super::error::{DecodeError, one_line};
 use super::format::Format;
+use super::size::{MAX_PIXELS, check_size};
 use super::{hdr, openexr};
-use crate::{Image, linear_from_srgb, linear_from_srgb_table};
 use ::image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
-
-/// Upper bound on the compression ratio of all formats. Deflate, in PNG and EXR, reaches 1032. In
-/// JPEG, a block of 64 samples takes at least one bit, and chroma subsampled four-fold makes that
-/// 1365 bytes from one.
-const MAX_COMPRESSION: u64 = 1400;
-
-/// Largest number of pixels: 16,384 x 16,384.
-const MAX_PIXELS: u64 = 1 << 28;
-
-/// An image with the precision of its file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Decoded {
-    /// Number of columns, at least 1.
-    pub width: u32,
-    /// Number of rows, at least 1.
-    pub height: u32,
-    /// The pixels, row by row from the top.
-    pub samples: Samples,
-}
-
-/// Red, green, blue and alpha of each pixel. Alpha is the largest value where the file has none.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Samples {
-    /// sRGB with 8 bits per channel, from PNG, JPEG, BMP and TGA files.
-    Srgb8(Vec<[u8; 4]>),
-    /// sRGB with 16 bits per channel, from PNG files.
-    Srgb16(Vec<[u16; 4]>),
-    /// Linear, from HDR and EXR files.
-    Linear(Vec<[f32; 4]>),
-}
-
-impl From<Decoded> for Image {
-    /// Converts to linear values. Alpha is scaled to `0.0..=1.0` only.
-    fn from(decoded: Decoded) -> Self {
-        let Decoded { width, height, samples } = decoded;
-        let pixels = match samples {
-            Samples::Srgb8(pixels) => {
-                let linear = linear_from_srgb_table();
-                let pixel = |[r, g, b, a]: [u8; 4]| {
-                    let [r, g, b] = [r, g, b].map(|byte| linear[usize::from(byte)]);
-                    [r, g, b, f32::from(a) / 255.0]
-                };
-                pixels.into_iter().map(pixel).collect()
-            }
-            Samples::Srgb16(pixels) => {
-                let pixel = |pixel: [u16; 4]| {
-                    let [r, g, b, a] = pixel.map(|word| f32::from(word) / 65_535.0);
-                    let [r, g, b] = [r, g, b].map(linear_from_srgb);
-                    [r, g, b, a]
-                };
-                pixels.into_iter().map(pixel).collect()
-            }
-            Samples::Linear(pixels) => pixels,
-        };
-        Self { width, height, pixels }
-    }
-}
 
 /// Decodes an image file in memory. The bytes need not be trusted: an image that claims more pixels
 /// than a file of this length can hold is refused before memory is allocated for it.
 ///
 /// An HDR file may start with any `#?` and have any order of axes; its pixels are divided by its
-/// exposure. An EXR file gives its display window, from the channels `R G B A`, also in a layer such
-/// as Blender's `Combined`; one with a lone channel, or with a channel `Y` but none named `R`,
+/// exposure. An EXR file gives its display window, from the channels `R G B A`, also in a layer
+/// such as Blender's `Combined`; one with a lone channel, or with a channel `Y` but none named `R`,
 /// becomes grey.
 ///
 /// # Errors
@@ -140,21 +84,4 @@ fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Decoded, Strin
         _ => Samples::Srgb8(image.into_rgba8().pixels().map(|pixel| pixel.0).collect()),
     };
     Ok(Decoded { width, height, samples })
-}
-
-/// Refuses sizes that no file of this length can hold, before anything is allocated for them.
-pub(super) fn check_size(
-    width: u64,
-    height: u64,
-    bits_per_pixel: u64,
-    bytes: &[u8],
-) -> Result<(), String> {
-    let pixels = width.saturating_mul(height);
-    if pixels > MAX_PIXELS {
-        return Err(format!("{width} x {height} pixels are more than the {MAX_PIXELS} supported"));
-    }
-    if pixels.saturating_mul(bits_per_pixel) / 8 > bytes.len() as u64 * MAX_COMPRESSION {
-        return Err(format!("{width} x {height} pixels cannot come from a file of this size"));
-    }
-    Ok(())
 }

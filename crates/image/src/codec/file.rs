@@ -11,11 +11,11 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 impl Image {
-    /// Reads a PNG, JPEG, BMP, TGA, Radiance HDR or OpenEXR file; its content decides on the format,
-    /// not its name.
+    /// Reads a PNG, JPEG, BMP, TGA, Radiance HDR or OpenEXR file; its content decides on the
+    /// format, not its name.
     ///
-    /// HDR and EXR files are linear, the others are decoded from sRGB. Alpha is 1 where the file has
-    /// none; a file with a single channel becomes grey.
+    /// HDR and EXR files are linear, the others are decoded from sRGB. Alpha is 1 where the file
+    /// has none; a file with a single channel becomes grey.
     ///
     /// # Errors
     ///

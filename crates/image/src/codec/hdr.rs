@@ -3,7 +3,8 @@
 //!
 //! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991; the manual of Radiance, "File formats".
 
-use super::decode::{Decoded, Samples, check_size};
+use super::decoded::{Decoded, Samples};
+use super::size::check_size;
 use ::image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
 use std::io::{Cursor, Read as _};
 

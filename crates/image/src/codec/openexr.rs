@@ -1,6 +1,7 @@
 //! OpenEXR files: which channels are the colour, and where the image lies in its display window.
 
-use super::decode::{Decoded, Samples, check_size};
+use super::decoded::{Decoded, Samples};
+use super::size::check_size;
 use exr::prelude::{
     MetaData, ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, read as read_exr,
 };

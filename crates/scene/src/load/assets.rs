@@ -79,7 +79,7 @@ pub(super) fn textures(
             uri: texture.uri.as_ref(),
             generator: texture.generator.as_ref(),
         };
-        let read = |file: &NamedFile| read_texture(shared, file, are_data[i]);
+        let read = |file: &NamedFile| image::read(shared, file, are_data[i]);
         let mut loaded = source.get(read, |generator| generator.build())?;
         let mended = image::mend(&mut loaded);
         loaded.pixels = loaded.pixels.packed(loaded.width);
@@ -201,15 +201,6 @@ pub(super) fn files(context: &Context<'_>, file: &SceneFile, more: Vec<PathBuf>)
     files.sort();
     files.dedup();
     files
-}
-
-/// Reads an image; `is_data` says that it is no colour.
-pub(super) fn read_texture(
-    context: &Context<'_>,
-    file: &NamedFile,
-    is_data: bool,
-) -> Result<Texture, LoadError> {
-    image::read(&context.files.read(file)?, is_data).map_err(|problem| file.fail(problem))
 }
 
 /// Loads the shapes of one item.

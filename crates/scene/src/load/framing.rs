@@ -45,7 +45,7 @@ impl<'a> Drawn<'a> {
         };
         let lines = mesh.lines.as_flattened();
         let joined = !(lines.is_empty() && faces.is_empty());
-        let elements = if joined { [lines, faces].concat() } else { mesh.points.clone() };
+        let elements = [lines, faces, &mesh.points].concat();
         let vertices = if elements.is_empty() { None } else { named(count, &elements) };
         Self { positions: &mesh.positions, radii: &[], vertices, joined, up: Up::Y }
     }
@@ -176,9 +176,9 @@ fn octave(distance: f32) -> usize {
 /// Returns the octave of the farthest vertex that is no outlier.
 ///
 /// At most a twentieth of the vertices are outliers. Points are if they lie at least eight times as
-/// far away as all others. The vertices of lines and faces may lie along a long branch or in a large
-/// floor, so they are outliers only beyond an empty space that ends 32 times as far away as it
-/// starts.
+/// far away as all others. The vertices of lines and faces may lie along a long branch or in a
+/// large floor, so they are outliers only beyond an empty space that ends 32 times as far away as
+/// it starts.
 fn farthest_octave(counts: &Octaves, joined: bool) -> usize {
     let empty = if joined { 5 } else { 3 };
     let total: u64 = counts.iter().sum();

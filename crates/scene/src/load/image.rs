@@ -1,12 +1,25 @@
 //! Textures from image files.
 
-use super::error::LoadProblem;
+use super::{
+    context::Context,
+    error::{LoadError, LoadProblem},
+    file::NamedFile,
+};
 use crate::{Pixels, Texture};
 use rotund_image::{Decoded, Format, Samples};
 
-/// Decodes an image, whatever its name. Bytes stay bytes, which take a quarter of the memory of
+/// Reads an image, whatever its name; `is_data` says that it is no colour.
+pub(super) fn read(
+    context: &Context<'_>,
+    file: &NamedFile,
+    is_data: bool,
+) -> Result<Texture, LoadError> {
+    decode(&context.files.read(file)?, is_data).map_err(|problem| file.fail(problem))
+}
+
+/// Decodes an image. Bytes stay bytes, which take a quarter of the memory of
 /// floats. 16 bits are kept if the texture is data, such as heights, and rounded to 8 in colours.
-pub(super) fn read(bytes: &[u8], is_data: bool) -> Result<Texture, LoadProblem> {
+fn decode(bytes: &[u8], is_data: bool) -> Result<Texture, LoadProblem> {
     let decoded = Format::of_content(bytes).and_then(|format| rotund_image::decode(bytes, format));
     let Decoded { width, height, samples } =
         decoded.map_err(|error| LoadProblem::Image { problem: error.problem })?;

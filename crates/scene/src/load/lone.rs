@@ -7,7 +7,7 @@ use super::{
     file::NamedFile,
     framing::{Drawn, Frame, LARGEST, extent, frame},
     materials,
-    mesh::{Mesh, MeshMaterial, Part},
+    mesh::{DEFAULT_RADIUS, Mesh, MeshMaterial, Part},
     options::Up,
     points,
     radius::default_radius,
@@ -30,9 +30,12 @@ pub(super) fn load(context: &mut Context<'_>) -> Result<(Scene, Vec<PathBuf>), L
         mesh.radii.clear();
     }
     let given = !mesh.radii.is_empty();
+    let only_faces = !mesh.faces.is_empty() && mesh.lines.is_empty() && mesh.points.is_empty();
     let radius = match context.options.radius {
         Some(radius) if radius.is_finite() && radius > 0.0 => radius,
         Some(radius) => return Err(context.unexpected("radius", radius, "a positive number")),
+        // To find one takes a moment, and faces have none.
+        None if given || only_faces => DEFAULT_RADIUS,
         None => default_radius(&mesh),
     };
     if mesh.offset != DVec3::ZERO {

@@ -1,10 +1,10 @@
 //! Materials of the files of meshes: the MTL files that they name, and images.
 
 use super::{
-    assets,
     context::Context,
     error::LoadError,
     file::NamedFile,
+    image,
     mesh::{Mesh, listed},
     obj::mtl,
 };
@@ -74,9 +74,9 @@ pub(super) fn texture(
     let found = beside(context, file, name).ok_or_else(|| {
         format!("the image {name:?} of a material is not beside the file; left out")
     })?;
-    let loaded = assets::read_texture(context, &found, false);
+    let loaded = image::read(context, &found, false);
     let mut texture = loaded.map_err(|error: LoadError| format!("image left out: {error}"))?;
-    super::image::mend(&mut texture);
+    image::mend(&mut texture);
     texture.pixels = texture.pixels.packed(texture.width);
     texture.name = name.to_owned();
     Ok((texture, found))

@@ -52,8 +52,8 @@ pub struct Loaded {
 
 /// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for
 /// shapes and control meshes, SWC, TCK and TRK for shapes of lines, XYZ, TXT, CSV, PTS and ASC for
-/// points; PNG, JPEG, HDR, EXR, BMP and TGA for textures. The file of a shape by itself becomes a scene with a camera, a floor and a sky around
-/// it; a scene without a camera gets one.
+/// points; PNG, JPEG, HDR, EXR, BMP and TGA for textures. The file of a shape by itself
+/// becomes a scene with a camera, a floor and a sky around it; a scene without a camera gets one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// independent of the counts in their headers.
