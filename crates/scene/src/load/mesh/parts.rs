@@ -3,6 +3,7 @@
 use super::{Mesh, NO_MATERIAL, faces::FaceElements};
 use crate::{Elements, Shape};
 use glam::Vec4;
+use std::collections::HashMap;
 
 /// A shape of a file, and the material that the file gives it, an index into [`Mesh::materials`].
 #[derive(Debug)]
@@ -43,20 +44,18 @@ impl Mesh {
     /// Returns the faces of each material, in the order of their first use.
     fn face_parts(&mut self, numbers: &mut Numbers) -> Vec<Part> {
         let of_face = std::mem::take(&mut self.faces.materials);
-        let material = |face: usize| of_face.get(face).copied().unwrap_or(NO_MATERIAL);
         let mut order: Vec<u32> = Vec::new();
-        let mut faces_of = vec![Vec::new(); self.materials.len() + 1];
+        let mut faces_of: HashMap<u32, Vec<usize>> = HashMap::new();
         for face in 0..self.faces.len() {
-            let own = material(face);
-            // Faces without a material stand behind all others.
-            let faces = &mut faces_of[(own as usize).min(self.materials.len())];
+            let material = of_face.get(face).copied().unwrap_or(NO_MATERIAL);
+            let faces = faces_of.entry(material).or_default();
             if faces.is_empty() {
-                order.push(own);
+                order.push(material);
             }
             faces.push(face);
         }
         let mut part = |material: &u32| {
-            let faces = &faces_of[(*material as usize).min(self.materials.len())];
+            let faces = &faces_of[material];
             let elements = match &self.faces.elements {
                 FaceElements::Triangles(triangles) => {
                     let own = faces.iter().map(|&face| triangles[face].map(|v| numbers.of(v)));

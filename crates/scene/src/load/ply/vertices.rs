@@ -223,7 +223,7 @@ impl Chunk<'_> {
             *to = radius;
         }
         let scale = if layout.has_float_colors() {
-            Scale::of(red, green, blue)
+            Scale::of_channels(red, green, blue)
         } else {
             Scale::NOTHING
         };
