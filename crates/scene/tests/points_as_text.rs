@@ -108,6 +108,8 @@ fn intensities_are_greys_normals_are_normals_and_radii_radii() {
     let both = points("a.xyz", "1 2 3 255 0 0 0.6 0 -0.8\n4 5 6 0 0 255 0 1 0\n");
     assert_eq!(both.normals, [vec3(0.6, 0.0, -0.8), Vec3::Y]);
     assert_eq!(both.colors, [Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(0.0, 0.0, 1.0, 1.0)]);
+    let across = points("a.txt", "x y z size\n1.5 2.5 3.5 1\n-4 0.25 60 0.5\n");
+    assert_eq!(across.radii, [0.5, 0.25]);
     for names in ["x y z radius", "x y z r", "x y z pscale"] {
         let shape = points("a.txt", &format!("{names}\n1.5 2.5 3.5 0.5\n-4 0.25 60 0.25\n"));
         assert_eq!(shape.radii, [0.5, 0.25], "{names}");

@@ -20,14 +20,19 @@ impl Scale {
         Self { brightest: 0.0, count: 0, bright_count: 0, has_fractions: false };
 
     /// Returns the scale of colours by their channels.
-    pub(super) fn of(red: &[f32], green: &[f32], blue: &[f32]) -> Self {
-        let mut scale = Self { count: red.len(), ..Self::NOTHING };
-        for ((&red, &green), &blue) in red.iter().zip(green).zip(blue) {
+    pub(super) fn of_channels(red: &[f32], green: &[f32], blue: &[f32]) -> Self {
+        let channels = red.iter().zip(green).zip(blue);
+        Self::of(channels.map(|((&red, &green), &blue)| [red, green, blue]))
+    }
+
+    pub(super) fn of(colors: impl Iterator<Item = [f32; 3]>) -> Self {
+        let mut scale = Self::NOTHING;
+        for [red, green, blue] in colors {
             let brightest = red.max(green).max(blue);
+            scale.count += 1;
             scale.brightest = scale.brightest.max(brightest);
             scale.bright_count += usize::from(brightest > 1.0);
-            let sum = [red, green, blue].map(|c| c - c.trunc());
-            scale.has_fractions |= sum != [0.0; 3];
+            scale.has_fractions |= [red, green, blue].map(f32::fract) != [0.0; 3];
         }
         scale
     }
@@ -42,10 +47,12 @@ impl Scale {
         }
     }
 
-    /// Returns true if 255 is white: nothing is beyond, and either all numbers are integers or most
-    /// colours are beyond 1.
+    /// Returns true if 255 is white: nothing is beyond, and either all numbers are integers, or most
+    /// colours are far beyond 1.
     pub(super) fn is_of_bytes(self) -> bool {
-        let most = 2 * self.bright_count > self.count;
+        // Few lights are this bright, and few images of bytes this dark.
+        const BRIGHT: f32 = 16.0;
+        let most = 2 * self.bright_count > self.count && self.brightest > BRIGHT;
         self.brightest > 1.0 && self.brightest <= 255.5 && (!self.has_fractions || most)
     }
 

@@ -109,10 +109,6 @@ pub enum LoadProblem {
         vertex: i64,
         count: usize,
     },
-    MixedElements {
-        first: &'static str,
-        second: &'static str,
-    },
     EmptyShape,
     TooMany {
         what: &'static str,
@@ -198,10 +194,6 @@ impl fmt::Display for LoadProblem {
             Self::VertexOutOfRange { element, index, vertex, count } => {
                 write!(f, "{element} {index} names vertex {vertex}, but there are {count} vertices")
             }
-            Self::MixedElements { first, second } => write!(
-                f,
-                "has {first} and {second} in one shape; split it into one file for each kind"
-            ),
             Self::EmptyShape => f.write_str("has no points, lines or faces"),
             Self::TooMany { what, count, limit } => {
                 write!(f, "has {count} {what}, more than the {limit} that are supported")

@@ -213,6 +213,11 @@ fn place(
         let own = material.map(|index| materials[index as usize].clone()).unwrap_or_default();
         let texture = own.texture.and_then(|name| {
             *texture_of.entry(name).or_insert_with_key(|name| {
+                if shape.texcoords.is_empty() {
+                    let why = "faces have no texture coordinates";
+                    context.warn(format_args!("the image {name:?} is not used: {why}"));
+                    return None;
+                }
                 match materials::texture(context, file, name) {
                     Ok((texture, read)) => {
                         files.push(read.path);
@@ -226,8 +231,6 @@ fn place(
                 }
             })
         });
-        // Texture coordinates are needed for the image to be seen, else it is that of one texel.
-        let texture = texture.filter(|_| !shape.texcoords.is_empty());
         let has_faces = matches!(shape.elements, Elements::Triangles(_) | Elements::Quads(_));
         let grey = if texture.is_some() { Vec3::ONE } else { Vec3::splat(0.7) };
         // Some programs write black beside an image.

@@ -181,6 +181,7 @@ fn parse(context: &mut Context<'_>, bytes: &[u8]) -> Result<SceneFile, LoadError
     let failed = |field: String, error| context.fail(LoadProblem::Json { field, error });
     let format::Whole(file) = result.map_err(|error| failed(track.path().to_string(), error))?;
     json.end().map_err(|error| failed(String::new(), error))?;
+    older::refuse_early(context, &file, &unknown)?;
     for field in unknown {
         context.warn(format_args!("unknown field {field} is ignored"));
     }

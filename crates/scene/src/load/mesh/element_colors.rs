@@ -1,6 +1,7 @@
 //! Colours of faces and lines become colours of vertices, which are repeated where colours meet.
 
 use super::Mesh;
+use crate::load::colors::Scale;
 use glam::Vec4;
 use std::collections::HashMap;
 
@@ -8,8 +9,8 @@ impl Mesh {
     /// Gives the colours of faces and lines to their vertices. Colours of vertices come first,
     /// unless they are all the same.
     pub(super) fn color_by_elements(&mut self) {
-        let of_faces = std::mem::take(&mut self.faces.colors);
-        let of_lines = std::mem::take(&mut self.line_colors);
+        let mut of_faces = std::mem::take(&mut self.faces.colors);
+        let mut of_lines = std::mem::take(&mut self.line_colors);
         if of_faces.is_empty() && of_lines.is_empty() {
             return;
         }
@@ -20,7 +21,13 @@ impl Mesh {
             ));
             return;
         }
+        for colors in [&mut of_faces, &mut of_lines] {
+            let scale = Scale::of(colors.iter().map(|color| [color.x, color.y, color.z]));
+            self.warnings.extend(scale.settle(colors));
+        }
         self.color_vertices(&of_faces, &of_lines);
+        // The new colours have not been checked.
+        self.sound = false;
     }
 
     /// Gives these colours of faces and lines, or of the one kind that has some, to the vertices.

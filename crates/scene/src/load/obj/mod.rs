@@ -159,8 +159,7 @@ impl Reader {
 /// Converts colours, which programs write as in images, to linear ones; returns a warning about
 /// those beyond 1.
 fn settle_colors(colors: &mut [Vec4]) -> Option<String> {
-    let channel = |i: usize| colors.iter().map(|color| color[i]).collect::<Vec<f32>>();
-    let scale = Scale::of(&channel(0), &channel(1), &channel(2));
+    let scale = Scale::of(colors.iter().map(|color| [color.x, color.y, color.z]));
     if scale.is_of_bytes() {
         return scale.settle(colors);
     }

@@ -138,7 +138,7 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
         let line = String::from_utf8_lossy(&bytes);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         if line_number == 1 {
-            if words != ["ply"] {
+            if words != ["ply"] && words != ["\u{feff}ply"] {
                 return Err(LoadProblem::NotPly);
             }
             continue;

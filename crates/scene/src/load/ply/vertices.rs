@@ -222,8 +222,11 @@ impl Chunk<'_> {
         for (to, &radius) in self.radii.iter_mut().zip(radius) {
             *to = radius;
         }
-        let scale =
-            if layout.has_float_colors() { Scale::of(red, green, blue) } else { Scale::NOTHING };
+        let scale = if layout.has_float_colors() {
+            Scale::of_channels(red, green, blue)
+        } else {
+            Scale::NOTHING
+        };
         Seen { is_sound: self.is_sound(), is_far, scale }
     }
 

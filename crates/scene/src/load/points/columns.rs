@@ -12,13 +12,14 @@ pub(super) enum Role {
     Alpha,
     Intensity,
     Radius,
+    Diameter,
     NormalX,
     NormalY,
     NormalZ,
 }
 
 impl Role {
-    pub(super) const COUNT: usize = 12;
+    pub(super) const COUNT: usize = 13;
     pub(super) const POSITION: [Self; 3] = [Self::X, Self::Y, Self::Z];
     pub(super) const COLOR: [Self; 3] = [Self::Red, Self::Green, Self::Blue];
     pub(super) const NORMAL: [Self; 3] = [Self::NormalX, Self::NormalY, Self::NormalZ];
@@ -105,7 +106,8 @@ fn role(name: &str) -> Option<Role> {
         "intensity" | "i" | "reflectance" | "reflectivity" | "amplitude" | "grey" | "gray" => {
             Role::Intensity
         }
-        "radius" | "pscale" | "size" | "width" => Role::Radius,
+        "radius" | "pscale" => Role::Radius,
+        "diameter" | "size" | "width" => Role::Diameter,
         "nx" | "normalx" | "normals0" | "normal0" => Role::NormalX,
         "ny" | "normaly" | "normals1" | "normal1" => Role::NormalY,
         "nz" | "normalz" | "normals2" | "normal2" => Role::NormalZ,

@@ -204,6 +204,8 @@ impl Table {
         }
         if columns.has(Role::Radius) {
             self.radii.push(values[Role::Radius as usize] as f32);
+        } else if columns.has(Role::Diameter) {
+            self.radii.push(0.5 * values[Role::Diameter as usize] as f32);
         }
     }
 
