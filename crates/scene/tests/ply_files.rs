@@ -174,6 +174,17 @@ fn sizes_have_many_names() {
 }
 
 #[test]
+fn colours_have_many_names() {
+    for names in ["Red Green Blue", "scalar_R scalar_G scalar_B", "Cd_r Cd_g Cd_b"] {
+        let properties: Vec<_> = names.split(' ').map(|name| format!("float {name}")).collect();
+        let properties: Vec<&str> = properties.iter().map(String::as_str).collect();
+        let found = loaded(&vertices(1, &properties), "0 0 0 0.25 0.5 1");
+        assert_eq!(shapes(&found)[0].colors, [Vec4::new(0.25, 0.5, 1.0, 1.0)], "{names}");
+        assert_eq!(found.warnings, Vec::<String>::new(), "{names}");
+    }
+}
+
+#[test]
 fn splats_are_balls_of_their_colour_and_volume() {
     let properties = [
         "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "f_rest_1", "f_rest_2", "opacity", "scale_0",
@@ -249,7 +260,7 @@ fn what_is_not_used_is_named_once() {
             "tetrahedra",
             format!("{}\n{}", vertices(1, &[]), element("tetra", 1, &["list uchar int vertices"])),
             "0 0 0\n4 0 0 0 0",
-            "tetra is not used (1 rows)",
+            "tetra is not used; its count is 1",
         ),
     ];
     for (why, header, data, part) in table {

@@ -47,8 +47,8 @@ impl Scale {
         }
     }
 
-    /// Returns true if 255 is white: nothing is beyond, and either all numbers are integers, or most
-    /// colours are far beyond 1.
+    /// Returns true if 255 is white: nothing is beyond, and either all numbers are integers or most
+    /// colours are beyond 1.
     pub(super) fn is_of_bytes(self) -> bool {
         // Few lights are this bright, and few images of bytes this dark.
         const BRIGHT: f32 = 16.0;

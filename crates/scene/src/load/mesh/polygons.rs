@@ -6,21 +6,26 @@ use earcut::Earcut;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+/// The most corners of a polygon whose ears are cut. The time may grow with the square of the
+/// number, and is some seconds for this many at random places.
+pub(super) const MOST_CORNERS: u32 = 1 << 16;
+
 /// Divides concave polygons by cutting ears, and flat concave quads into two triangles. All
-/// vertices must exist.
-pub(super) fn divide(faces: &mut Faces, positions: &[Vec3]) {
+/// vertices must exist. Returns how many polygons have too many corners for that.
+pub(super) fn divide(faces: &mut Faces, positions: &[Vec3]) -> usize {
     let mut earcut = Earcut::new();
+    let mut left = 0;
     for &[first, count] in &faces.polygons {
         let range = first as usize..(first + count) as usize;
         match &mut faces.elements {
             FaceElements::Triangles(triangles) => {
-                cut_ears(&mut triangles[range], positions, &mut earcut);
+                left += usize::from(!cut_ears(&mut triangles[range], positions, &mut earcut));
             }
             FaceElements::Quads(quads) => {
                 let fan = &mut quads[range];
                 let mut triangles: Vec<[u32; 3]> =
                     fan.iter().map(|&[a, b, c, _]| [a, b, c]).collect();
-                cut_ears(&mut triangles, positions, &mut earcut);
+                left += usize::from(!cut_ears(&mut triangles, positions, &mut earcut));
                 for (quad, [a, b, c]) in fan.iter_mut().zip(triangles) {
                     *quad = [a, b, c, c];
                 }
@@ -28,12 +33,13 @@ pub(super) fn divide(faces: &mut Faces, positions: &[Vec3]) {
         }
     }
     halve_quads(faces, positions);
+    left
 }
 
 /// Replaces the triangles around the first corner of a polygon by others if one of them is turned
-/// over.
-fn cut_ears(fan: &mut [[u32; 3]], positions: &[Vec3], earcut: &mut Earcut<f64>) {
-    let Some(&[first, second, _]) = fan.first() else { return };
+/// over; returns false if it has too many corners.
+fn cut_ears(fan: &mut [[u32; 3]], positions: &[Vec3], earcut: &mut Earcut<f64>) -> bool {
+    let Some(&[first, second, _]) = fan.first() else { return true };
     let at = |vertex: u32| positions[vertex as usize].as_dvec3();
     let origin = at(first);
     let area = |[a, b, c]: [u32; 3]| (at(b) - at(a)).cross(at(c) - at(a));
@@ -41,9 +47,12 @@ fn cut_ears(fan: &mut [[u32; 3]], positions: &[Vec3], earcut: &mut Earcut<f64>) 
     // A corner on a straight edge is not worth the cut.
     let least = -1e-6 * normal.length_squared();
     if !normal.is_finite() || fan.iter().all(|triangle| area(*triangle).dot(normal) >= least) {
-        return;
+        return true;
     }
-    let Some(normal) = normal.try_normalize() else { return };
+    let Some(normal) = normal.try_normalize() else { return true };
+    if fan.len() > MOST_CORNERS as usize {
+        return false;
+    }
     let (x, y) = normal.any_orthonormal_pair();
     let corners: Vec<u32> =
         [first, second].into_iter().chain(fan.iter().map(|triangle| triangle[2])).collect();
@@ -61,6 +70,7 @@ fn cut_ears(fan: &mut [[u32; 3]], positions: &[Vec3], earcut: &mut Earcut<f64>) 
     });
     let mut triangles = triangles.chain(std::iter::repeat([first; 3]));
     fan.iter_mut().zip(&mut triangles).for_each(|(to, triangle)| *to = triangle);
+    true
 }
 
 /// Divides flat quads with a reflex corner at this corner: as a patch, the quad would fold over

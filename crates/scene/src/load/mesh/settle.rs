@@ -24,7 +24,13 @@ impl Mesh {
         }
         self.check_lines_and_points()?;
         self.color_by_elements();
-        polygons::divide(&mut self.faces, &self.positions);
+        let left = polygons::divide(&mut self.faces, &self.positions);
+        if left > 0 {
+            self.warnings.push(format!(
+                "{left} concave polygons have more than {} corners; drawn as if they were convex",
+                polygons::MOST_CORNERS
+            ));
+        }
         if !self.sound {
             self.replace_values();
             self.leave_out_bad_vertices()?;

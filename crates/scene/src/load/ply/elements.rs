@@ -38,7 +38,7 @@ pub(super) fn read<R: BufRead>(
     }
     if element.count > 0 {
         mesh.warnings
-            .push(format!("element {} is not used ({} rows)", element.name, element.count));
+            .push(format!("element {} is not used; its count is {}", element.name, element.count));
     }
     rows.skip()
 }
