@@ -76,10 +76,10 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
 
 /// Loads a scene from memory, as [`load`] does from the file `name`.
 ///
-/// `bytes` is the content of that file, and `files` returns the content of each file that the scene
-/// names, by its path with `/` as the separator: if `scenes/a.json` names `shapes/b.ply`, the path
-/// is `scenes/shapes/b.ply`. The extension of `name` distinguishes scenes in JSON from the files of
-/// shapes.
+/// `bytes` is the content of that file, and `files` returns the content of each file that it names,
+/// also of the materials and images of a lone mesh. It gets the path with `/` as the separator: if
+/// `scenes/a.json` names `shapes/b.ply`, the path is `scenes/shapes/b.ply`. The extension of `name`
+/// distinguishes scenes in JSON from the files of shapes.
 ///
 /// ```
 /// use rotund_scene::{LoadOptions, load_bytes};

@@ -51,7 +51,8 @@ impl Default for Look {
 
 impl Faces {
     /// Adds a polygon. The first quad converts all triangles to quads that repeat their last
-    /// vertex. Larger polygons are divided into a fan of triangles, for now.
+    /// vertex. Larger polygons become a fan of triangles, until it is known
+    /// which are concave.
     pub(crate) fn push_polygon(&mut self, polygon: &[u32], look: Look) {
         let first = self.len();
         match *polygon {
