@@ -8,8 +8,9 @@
 //!     -max_len=2048 -max_total_time=900
 //! ```
 //!
-//! and likewise for `obj`, `swc`, `tck`, `trk`, `scene` and `texture`. A file of `trk` has a header
-//! of 1000 bytes. Add failing inputs to `crates/scene/tests/corpus/`, which `cargo test` replays.
+//! and likewise for `obj`, `mtl`, `swc`, `tck`, `trk`, `points`, `scene` and `texture`. A file of
+//! `trk` has a header of 1000 bytes. Add failing inputs to `crates/scene/tests/corpus/`, which
+//! `cargo test` replays.
 
 use rotund_scene::{LoadOptions, load};
 use std::{
@@ -49,17 +50,22 @@ pub fn survives(target: &str, bytes: &[u8], ratio: usize, more: usize) {
     });
     // The tables of one compression of EXR take a few megabytes.
     const FIXED: usize = 1 << 23;
-    fs::write(FOLDER.join(name), &file).expect("writes the file");
-    let path = FOLDER.join("scene.json");
-    fs::write(&path, &scene).expect("writes the scene");
-    let before = LIVE.load(Relaxed);
-    PEAK.store(before, Relaxed);
-    let loaded = load(&path, &LoadOptions::default());
-    let taken = PEAK.load(Relaxed).saturating_sub(before);
-    let allowed = FIXED + more + ratio * (file.len() + scene.len());
-    assert!(taken <= allowed, "{taken} bytes of memory for {} of a file", file.len());
-    if let Ok(loaded) = loaded {
-        whole::check(&loaded.scene);
+    fs::write(FOLDER.join(&name), &file).expect("writes the file");
+    fs::write(FOLDER.join(input::MESH.0), input::MESH.1).expect("writes the mesh");
+    fs::write(FOLDER.join("scene.json"), &scene).expect("writes the scene");
+    let lone = input::lone(target, &name);
+    // The floor and the sky around a lone shape take as much again.
+    let loads = [Some(("scene.json".to_owned(), FIXED)), lone.map(|lone| (lone, 4 * FIXED))];
+    for (name, fixed) in loads.into_iter().flatten() {
+        let before = LIVE.load(Relaxed);
+        PEAK.store(before, Relaxed);
+        let loaded = load(FOLDER.join(name), &LoadOptions::default());
+        let taken = PEAK.load(Relaxed).saturating_sub(before);
+        let allowed = fixed + more + ratio * (file.len() + scene.len());
+        assert!(taken <= allowed, "{taken} bytes of memory for {} of a file", file.len());
+        if let Ok(loaded) = loaded {
+            whole::check(&loaded.scene);
+        }
     }
 }
 

@@ -89,6 +89,18 @@ impl Image {
         self.pixels.iter().map(pixel).collect()
     }
 
+    /// Returns the opaque image of these pixels before a background, with red, green and blue that
+    /// are premultiplied by alpha, as in films.
+    #[must_use]
+    pub fn before(&self, background: [f32; 3]) -> Self {
+        let pixel = |&[r, g, b, a]: &[f32; 4]| {
+            let share = 1.0 - a.clamp(0.0, 1.0);
+            let [behind_r, behind_g, behind_b] = background.map(|channel| share * channel);
+            [r + behind_r, g + behind_g, b + behind_b, 1.0]
+        };
+        Self { pixels: self.pixels.iter().map(pixel).collect(), ..*self }
+    }
+
     /// Returns the part with its upper left corner at `(left, top)`, cut where the image ends.
     ///
     /// # Panics

@@ -3,8 +3,9 @@
 //! - [`Image`] is linear RGB and alpha in `f32`. [`srgb_from_linear`] and [`linear_from_srgb`] are
 //!   the transfer function between it and 8-bit files.
 //! - With the feature `codecs`, [`Image::read`] and [`Image::write`] handle PNG, JPEG, Radiance HDR
-//!   and OpenEXR. [`decode`] does the same for bytes in memory and keeps the precision of the file;
-//!   it refuses sizes that the file cannot hold before it allocates, so untrusted files are safe.
+//!   and OpenEXR, and read BMP and TGA. [`decode`] does the same for bytes in memory and keeps the
+//!   precision of the file; it refuses sizes that the file cannot hold before it allocates, so
+//!   untrusted files are safe.
 //! - With the feature `compare`, [`Difference::between`] gives [`Metrics`], the FLIP error of each
 //!   pixel, and maps that show where two images differ.
 //! - With the feature `serde`, `Metrics` can be serialized.

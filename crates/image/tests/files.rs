@@ -84,6 +84,37 @@ fn the_content_of_a_file_decides_on_its_format() {
 }
 
 #[test]
+fn formats_are_known_by_their_content_or_named() {
+    for format in [Format::Png, Format::Jpeg, Format::Hdr, Format::Exr] {
+        assert_eq!(Format::of_content(&encode(&example(), format).unwrap()), Ok(format));
+    }
+    let bitmap = image::RgbImage::from_pixel(2, 1, image::Rgb([9, 8, 7]));
+    for (kind, format) in
+        [(image::ImageFormat::Bmp, Format::Bmp), (image::ImageFormat::Tga, Format::Tga)]
+    {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        bitmap.write_to(&mut bytes, kind).unwrap();
+        let bytes = bytes.into_inner();
+        assert_eq!(Format::of_content(&bytes), Ok(format));
+        let expected = Samples::Srgb8(vec![[9, 8, 7, 255]; 2]);
+        assert_eq!(decode(&bytes, format).unwrap().samples, expected);
+        assert!(encode(&example(), format).is_err(), "only read");
+    }
+    for (bytes, words) in [
+        (&b"GIF89a"[..], "is a GIF image, expected PNG"),
+        (b"RIFF\x01\0\0\0WEBPVP8 ", "is a WebP image"),
+        (b"II*\0abcd", "is a TIFF image"),
+        (b"\0\0\0\x18ftypavif", "is an AVIF image"),
+        (b"", "is empty"),
+        (b"<!DOCTYPE html><html>", "is no image"),
+        (&[0; 64], "is no image"),
+    ] {
+        let error = Format::of_content(bytes).unwrap_err();
+        assert!(error.problem.contains(words), "{error}");
+    }
+}
+
+#[test]
 fn sixteen_bits_of_a_png_are_kept() {
     let words: Vec<u16> = (0..12).map(|i| 5000 * i).collect();
     let buffer = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(4, 1, words).unwrap();
@@ -131,11 +162,9 @@ fn errors_name_the_file_and_each_cause_once() {
     }
     let missing = all_words(&Image::read(path("missing.png")).unwrap_err());
     assert!(missing.contains("missing.png") && missing.contains("os error 2"), "{missing}");
-    for text in [
-        all_words(&Image::read(path("a.tiff")).unwrap_err()),
-        all_words(&example().write(path("a.tiff")).unwrap_err()),
-    ] {
-        assert!(text.contains("a.tiff") && text.contains("png, jpg, hdr and exr"), "{text}");
+    for name in ["a.tiff", "a.bmp", "a.tga"] {
+        let text = all_words(&example().write(path(name)).unwrap_err());
+        assert!(text.contains(name) && text.contains("png, jpg, hdr and exr"), "{text}");
     }
     let nowhere = all_words(&example().write(path("no/such/folder.png")).unwrap_err());
     assert!(nowhere.contains("folder.png"), "{nowhere}");

@@ -24,7 +24,8 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
+    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
+    /// TXT, CSV, PTS or ASC file.
     scene: String,
     #[command(flatten)]
     loading: LoadArgs,

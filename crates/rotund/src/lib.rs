@@ -24,6 +24,7 @@ use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 
+mod background;
 mod built_in;
 mod cancel;
 mod checkpoint;

@@ -28,7 +28,8 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
+    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
+    /// TXT, CSV, PTS or ASC file.
     scene: String,
     /// The converged picture: exr or hdr, of the size that is rendered.
     #[arg(long, value_name = "FILE.{exr,hdr}")]

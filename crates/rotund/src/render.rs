@@ -1,5 +1,6 @@
 //! `render <scene> --out FILE`: one picture of a scene.
 
+use crate::background::{self, Background};
 use crate::cancel::Cancelled;
 use crate::checkpoint::{self, Checkpoint, CheckpointArgs};
 use crate::choice;
@@ -18,7 +19,8 @@ const EXAMPLES: &str = "\
 Examples:
   rotund render shapes4 --out shapes4.png
   rotund render cloud.ply --radius 0.01 --out cloud.png
-  rotund render neuron.swc --out neuron.png
+  rotund render neuron.swc --background white --out neuron.png
+  rotund render scan.ply --up y --transparent --out scan.png
   rotund render shapes4 --mode vanilla --out vanilla.exr --samples 256
   rotund render scene.json --kinds lines --camera front --out lines.hdr
   rotund render shapes4 --checkpoint a.film --resume --out shapes4.exr
@@ -46,7 +48,8 @@ fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
+    /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
+    /// TXT, CSV, PTS or ASC file.
     scene: String,
     /// The image to write: png or jpg (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,jpg,exr,hdr}", required_unless_present = "checkpoint")]
@@ -55,9 +58,14 @@ pub struct Args {
     #[arg(long, value_parser = choice::parser::<View>(views()), default_value = "path")]
     view: View,
     /// Make the background transparent: the environment lights the scene but is hidden from the
-    /// camera.
+    /// camera. The file of a shape by itself gets no floor.
     #[arg(long)]
     transparent: bool,
+    /// Show this colour (sRGB) instead of the environment, which still lights the scene: white,
+    /// black, grey, #rgb or #rrggbb. The file of a shape by itself gets no floor.
+    #[arg(long, value_name = "COLOUR", value_parser = background::parse)]
+    #[arg(conflicts_with = "transparent")]
+    background: Option<Background>,
     /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.
     #[arg(long, requires = "out")]
     layers: bool,
@@ -70,7 +78,7 @@ pub struct Args {
     checkpoint: CheckpointArgs,
 }
 
-pub(crate) fn run(args: Args) -> Result<()> {
+pub(crate) fn run(mut args: Args) -> Result<()> {
     if let Some(out) = &args.out {
         let format = check_image_file(out)?;
         if args.layers && format != Format::Exr {
@@ -80,11 +88,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
             bail!("cannot write {}: only png and exr hold a transparent background", out.display());
         }
     }
+    let transparent = args.transparent || args.background.is_some();
+    args.picture.loading.without_floor = transparent;
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
     let shard = args.checkpoint.shard.unwrap_or_default();
     let options = Options {
         view: args.view,
-        transparent: args.transparent,
+        transparent,
         shard,
         // Layers hold positions in the world, and the picture must show the same rays.
         recenter: !args.layers,
@@ -113,9 +123,13 @@ pub(crate) fn run(args: Args) -> Result<()> {
         checkpoint.save(&shot.film)?;
     }
     if let Some(out) = &args.out {
+        let image = match args.background {
+            Some(Background(color)) => shot.film.image().before(color),
+            None => shot.film.image(),
+        };
         match &layers {
-            Some(layers) => output::write_layers(out, &shot.film.image(), layers)?,
-            None => output::write(out, &shot.film)?,
+            Some(layers) => output::write_layers(out, &image, layers)?,
+            None => image.write(out)?,
         }
     }
     let files = [args.out.as_deref(), checkpoint.as_ref().map(Checkpoint::path)];

@@ -2,7 +2,7 @@
 
 use crate::built_in;
 use anyhow::{Context, Error, Result, bail};
-use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene};
+use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene, Up};
 use std::path::Path;
 
 /// A scene and what to call it.
@@ -22,12 +22,26 @@ pub struct LoadArgs {
     /// neighbours.
     #[arg(long, value_name = "METERS", value_parser = radius)]
     radius: Option<f32>,
+    /// Axis that points up in the file of a shape that is loaded by itself. Default: z for TCK,
+    /// TRK, points as text and PLY without lines or faces, y for all others.
+    #[arg(long, value_enum)]
+    up: Option<UpAxis>,
+    /// Leave out the floor of the file of a shape that is loaded by itself.
+    #[arg(skip)]
+    pub(crate) without_floor: bool,
     /// Replace textures that cannot be read by white, with a warning, instead of failing.
     #[arg(long)]
     keep_going: bool,
     /// Allow the scene to name files outside its own folder: only for scenes that you trust.
     #[arg(long)]
     allow_outside: bool,
+}
+
+/// The names of axes on the command line.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum UpAxis {
+    Y,
+    Z,
 }
 
 fn radius(text: &str) -> Result<f32, String> {
@@ -43,6 +57,11 @@ impl LoadArgs {
             allow_outside_folder: self.allow_outside,
             keep_going: self.keep_going,
             radius: self.radius,
+            up: self.up.map(|axis| match axis {
+                UpAxis::Y => Up::Y,
+                UpAxis::Z => Up::Z,
+            }),
+            without_floor: self.without_floor,
         }
     }
 }
@@ -77,7 +96,7 @@ pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(Stri
     if !is_path {
         bail!(
             "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a \
-             JSON, PLY, OBJ, SWC, TCK or TRK file",
+             JSON, PLY, OBJ, SWC, TCK, TRK, XYZ, TXT, CSV, PTS or ASC file",
             built_in::names().collect::<Vec<_>>().join(", ")
         );
     }

@@ -66,7 +66,7 @@ pub struct PictureArgs {
     #[command(flatten)]
     pub shot: ShotArgs,
     #[command(flatten)]
-    loading: LoadArgs,
+    pub(crate) loading: LoadArgs,
 }
 
 impl PictureArgs {

@@ -111,7 +111,7 @@ fn an_unknown_scene_is_refused_with_the_names_of_the_built_in_ones() {
     assert_eq!(output.status.code(), Some(1));
     let expected = "error: there is no built-in scene \"shapes5\"; there are glass, lights, \
         patches, shapes1, shapes2, shapes3, shapes4, or give the path of a JSON, PLY, OBJ, SWC, \
-        TCK or TRK file\n";
+        TCK, TRK, XYZ, TXT, CSV, PTS or ASC file\n";
     assert_eq!(String::from_utf8_lossy(&output.stderr), expected);
 }
 

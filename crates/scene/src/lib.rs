@@ -77,8 +77,8 @@
 //! # Features
 //!
 //! `load`, on by default, adds the functions `load` and `load_bytes` with their readers of JSON,
-//! PLY, OBJ, SWC, TCK, TRK and images. Without it the crate depends on Rotund's geometry, trees and
-//! colour conversions, `glam` and `rayon` alone.
+//! PLY, OBJ, SWC, TCK, TRK, points as text and images. Without it the crate depends on Rotund's
+//! geometry, trees and colour conversions, `glam` and `rayon` alone.
 
 mod camera;
 #[cfg(feature = "load")]
@@ -111,7 +111,7 @@ pub use error::{SceneError, SceneItem};
 pub use hit::SceneHit;
 pub use intersect::{Route, Trees};
 #[cfg(feature = "load")]
-pub use load::{LoadError, LoadOptions, LoadProblem, Loaded, NamedBy, load, load_bytes};
+pub use load::{LoadError, LoadOptions, LoadProblem, Loaded, NamedBy, Up, load, load_bytes};
 pub use material::{Material, MaterialKind, MaterialPoint};
 pub use overlap::Overlap;
 pub use rotund_geometry as geometry;

@@ -2,7 +2,7 @@
 
 use crate::{SceneError, tiles::Tiles};
 use glam::{Vec2, Vec3, Vec4};
-use rotund_image::linear_from_srgb_table;
+use rotund_image::{linear_from_srgb, linear_from_srgb_table};
 
 /// An image of RGBA pixels with row 0 at `v = 0`, repeated over the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ impl Default for Texture {
 pub enum Pixels {
     /// 8 bits a channel: sRGB where the texture is a colour, and linear where it is data.
     Bytes(Vec<[u8; 4]>),
+    /// 16 bits a channel, as [`Self::Bytes`]. Look-ups of colours are slower.
+    Words(Vec<[u16; 4]>),
     /// Linear channels.
     Floats(Vec<[f32; 4]>),
     /// The format of [`Self::Bytes`], in tiles.
@@ -51,7 +53,7 @@ impl Pixels {
                 let packed: Option<Vec<_>> = floats.iter().map(|&p| shared_exponent(p)).collect();
                 packed.and_then(|pixels| Tiles::new(width, &pixels)).map(Self::SharedExponent)
             }
-            Self::TiledBytes(_) | Self::SharedExponent(_) => None,
+            Self::Words(_) | Self::TiledBytes(_) | Self::SharedExponent(_) => None,
         };
         tiled.unwrap_or(self)
     }
@@ -97,7 +99,7 @@ impl Texture {
         Ok(Self { name: String::new(), width, height, pixels })
     }
 
-    /// Returns linear colour and opacity at `uv`, with bytes decoded from sRGB.
+    /// Returns linear colour and opacity at `uv`, with integers decoded from sRGB.
     ///
     /// The filter is bilinear between the four nearest pixels. Pixel `i` is centred at `uv = i /
     /// size`, without the usual shift by half a pixel, as in yocto-gl. A coordinate that is not
@@ -118,17 +120,23 @@ impl Texture {
                 let linear = linear_from_srgb_table();
                 self.filtered(uv, |x, y| linear_color(linear, tiles.at(x, y)))
             }
-            _ => self.data(uv),
+            Pixels::Words(words) => {
+                let width = self.width as usize;
+                self.filtered(uv, |x, y| linear_words(words[y * width + x]))
+            }
+            Pixels::Floats(_) | Pixels::SharedExponent(_) => self.data(uv),
         }
     }
 
-    /// Returns the channels at `uv` as data: bytes are divided by 255 and not decoded from sRGB.
+    /// Returns the channels at `uv` as data: integers are divided by the largest one and not
+    /// decoded from sRGB.
     /// The filter and the panics are those of [`Self::color`].
     #[must_use]
     pub fn data(&self, uv: Vec2) -> Vec4 {
         let width = self.width as usize;
         match &self.pixels {
             Pixels::Bytes(bytes) => self.filtered(uv, |x, y| shares(bytes[y * width + x])),
+            Pixels::Words(words) => self.filtered(uv, |x, y| word_shares(words[y * width + x])),
             Pixels::Floats(floats) => {
                 self.filtered(uv, |x, y| Vec4::from_array(floats[y * width + x]))
             }
@@ -149,6 +157,7 @@ impl Texture {
         let index = y * self.width as usize + x;
         match &self.pixels {
             Pixels::Bytes(bytes) => linear_color(linear_from_srgb_table(), bytes[index]),
+            Pixels::Words(words) => linear_words(words[index]),
             Pixels::Floats(floats) => Vec4::from_array(floats[index]),
             Pixels::TiledBytes(tiles) => linear_color(linear_from_srgb_table(), tiles.at(x, y)),
             Pixels::SharedExponent(tiles) => unpacked(tiles.at(x, y)),
@@ -160,6 +169,7 @@ impl Texture {
     pub fn is_opaque(&self) -> bool {
         match &self.pixels {
             Pixels::Bytes(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u8::MAX),
+            Pixels::Words(pixels) => pixels.iter().all(|&[.., alpha]| alpha == u16::MAX),
             Pixels::Floats(pixels) => pixels.iter().all(|&[.., alpha]| alpha >= 1.0),
             Pixels::TiledBytes(tiles) => tiles.pixels().all(|[.., alpha]| alpha == u8::MAX),
             Pixels::SharedExponent(_) => true,
@@ -185,6 +195,17 @@ impl Texture {
 #[inline]
 fn shares(pixel: [u8; 4]) -> Vec4 {
     Vec4::from_array(pixel.map(|byte| f32::from(byte) / 255.0))
+}
+
+/// Converts a pixel of 16 bits to data.
+fn word_shares(pixel: [u16; 4]) -> Vec4 {
+    Vec4::from_array(pixel.map(|word| f32::from(word) / 65_535.0))
+}
+
+/// Converts a pixel of 16 bits to a linear colour.
+fn linear_words(pixel: [u16; 4]) -> Vec4 {
+    let [r, g, b, a] = word_shares(pixel).to_array();
+    Vec4::from_array([linear_from_srgb(r), linear_from_srgb(g), linear_from_srgb(b), a])
 }
 
 /// Converts a pixel of bytes to a linear colour.

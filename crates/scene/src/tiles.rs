@@ -1,6 +1,9 @@
 //! Images in tiles, an order with fewer cache misses than rows.
 
-use std::collections::{HashMap, hash_map::Entry};
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    sync::Arc,
+};
 
 /// An image of four bytes a pixel in tiles of 8 x 8 pixels, each of four cache lines of 4 x 4
 /// pixels.
@@ -15,8 +18,9 @@ pub struct Tiles {
     /// Tiles in a row.
     across: usize,
     /// Index into `tiles` of each place, row by row; `None` if all tiles are stored in that order.
-    places: Option<Vec<u16>>,
-    tiles: Vec<Tile>,
+    places: Option<Arc<[u16]>>,
+    /// Shared, since several textures may name the same file.
+    tiles: Arc<[Tile]>,
 }
 
 /// Columns and rows of a tile.
@@ -51,7 +55,7 @@ impl Tiles {
         };
         let count = across * down;
         let (places, tiles) = match distinct((0..count).map(tile), count / SAVING) {
-            Some((places, tiles)) => (Some(places), tiles),
+            Some((places, tiles)) => (Some(places.into()), tiles.into()),
             None => (None, (0..count).map(tile).collect()),
         };
         Some(Self { size: [width, height], across, places, tiles })

@@ -144,6 +144,7 @@ fn texture(index: usize, texture: &Texture, of_emission: bool) -> Result<(), Sce
     let expected = *width as usize * *height as usize;
     let (fits, count) = match pixels {
         Pixels::Bytes(bytes) => (bytes.len() == expected, bytes.len()),
+        Pixels::Words(words) => (words.len() == expected, words.len()),
         Pixels::Floats(floats) => (floats.len() == expected, floats.len()),
         Pixels::TiledBytes(tiles) | Pixels::SharedExponent(tiles) => {
             let size @ [columns, rows] = tiles.size();

@@ -33,6 +33,8 @@ fn byte_order_marks_and_all_line_ends_are_accepted() {
         ("an element on two lines", "thing.obj", QUAD.replace(" 3 4", " \\\n3 4")),
         ("a last line that is said to go on", "thing.obj", QUAD.replace("4\n", "4 \\")),
         ("the same with other line ends", "thing.obj", QUAD.replace(" 3 4", " \\\r\n3 4")),
+        ("an OBJ of an old Mac", "thing.obj", QUAD.replace('\n', "\r")),
+        ("a scene of an old Mac", "scene.json", SCENE.replace('\n', "\r")),
     ];
     for (why, name, content) in table {
         let loaded = loaded(name, content.as_bytes()).unwrap_or_else(|e| panic!("{why}: {e}"));
@@ -45,18 +47,38 @@ fn byte_order_marks_and_all_line_ends_are_accepted() {
 #[test]
 fn messages_for_files_that_are_no_scenes_are_plain() {
     let materials = |what: &str| format!("{{ \"materials\": {what} }}").into_bytes();
-    let table: [(&str, &str, Vec<u8>, &[&str]); 16] = [
+    let table: [(&str, &str, Vec<u8>, &[&str]); 15] = [
         ("UTF-16", "scene.json", utf16(SCENE), &["UTF-16", "UTF-8"]),
         ("an OBJ in UTF-16", "thing.obj", utf16(QUAD), &["UTF-16", "UTF-8"]),
-        ("another format", "movie.gltf", b"{}".to_vec(), &["\"gltf\"", "json, ply, obj, swc, tck and trk"]),
-        ("a PLY by another name", "mesh", b"ply\nformat".to_vec(), &["\"\"", "json, ply, obj, swc, tck and trk"]),
+        (
+            "another format",
+            "movie.gltf",
+            b"{}".to_vec(),
+            &["\"gltf\"", "json, ply, obj, swc, tck, trk, xyz"],
+        ),
+        (
+            "a PLY by another name",
+            "mesh",
+            b"ply\nformat".to_vec(),
+            &["\"\"", "json, ply, obj, swc, tck, trk, xyz"],
+        ),
         ("null", "scene.json", b"null".to_vec(), &["null", "expected an object"]),
         ("an array", "scene.json", b"[]".to_vec(), &["sequence", "expected an object"]),
         ("an item in brackets", "scene.json", materials("[[]]"), &["materials[0]", "an object"]),
         ("an item that is none", "scene.json", materials("[3]"), &["materials[0]", "an object"]),
         ("a word for a number", "scene.json", materials(r#"[{"ior": "x"}]"#), &["ior", "a number"]),
-        ("a number for a type", "scene.json", materials(r#"[{"type": 7}]"#), &["type", "another kind"]),
-        ("a colour of four", "scene.json", materials(r#"[{"color": [1, 1, 1, 1]}]"#), &["color", "too many"]),
+        (
+            "a number for a type",
+            "scene.json",
+            materials(r#"[{"type": 7}]"#),
+            &["type", "another kind"],
+        ),
+        (
+            "a colour of four",
+            "scene.json",
+            materials(r#"[{"color": [1, 1, 1, 1]}]"#),
+            &["color", "too many"],
+        ),
         (
             "half a level",
             "scene.json",
@@ -69,15 +91,17 @@ fn messages_for_files_that_are_no_scenes_are_plain() {
             br#"{ "instances": [{ "frame": [1, 2, 3] }] }"#.to_vec(),
             &["instances[0].frame", "expected a frame", "12 numbers"],
         ),
-        ("a face of two", "thing.obj", b"v 0 0 0\nf 1 1\n".to_vec(), &["line 2", "2 vertices", "3 or more"]),
-        ("a line of one", "thing.obj", b"v 0 0 0\nl 1\n".to_vec(), &["line 2", "1 vertices", "2 or more"]),
         (
-            "a face of two in a PLY",
-            "thing.ply",
-            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
-              element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 0\n2 0 0\n"
-                .to_vec(),
-            &["face 1", "vertex_indices", "2 vertices", "three or more"],
+            "a version of the time before the format",
+            "scene.json",
+            br#"{ "asset": { "version": "3.1" } }"#.to_vec(),
+            &["asset.version", "3.1", "version 4.0 or later"],
+        ),
+        (
+            "shapes as they were before it",
+            "scene.json",
+            br#"{ "shapes": [{ "name": "a", "filename": "models/a.ply" }] }"#.to_vec(),
+            &["shapes[].filename", "version 4.0 or later"],
         ),
     ];
     for (why, name, content, parts) in table {

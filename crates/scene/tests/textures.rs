@@ -4,8 +4,8 @@
 
 use exr::prelude::{AnyChannel, AnyChannels, Image, Layer, WritableImage as _};
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, Rgba};
-use rotund_geometry::glam::{Vec4, vec4};
-use rotund_scene::{LoadOptions, Texture, load};
+use rotund_geometry::glam::{Vec4, vec2, vec4};
+use rotund_scene::{LoadOptions, Pixels, Texture, load};
 use std::{fs, path::Path};
 
 /// Loads the texture that `write` stores in the file `name`.
@@ -143,4 +143,106 @@ fn sizes_in_headers_do_not_cause_allocations() {
     let message = texture("image.hdr", |path| fs::write(path, header).expect("writes"));
     let message = message.expect_err("refused");
     assert!(message.contains("40000 x 40000") && message.contains("image.hdr"), "{message}");
+}
+
+#[test]
+fn the_content_of_a_file_decides_on_its_format() {
+    let image: DynamicImage = ImageBuffer::from_pixel(2, 1, Rgb([128_u8, 128, 128])).into();
+    for format in [
+        image::ImageFormat::Png,
+        image::ImageFormat::Jpeg,
+        image::ImageFormat::Bmp,
+        image::ImageFormat::Tga,
+    ] {
+        for name in ["image.png", "image.hdr", "image.jpe", "image"] {
+            let texture = texture(name, |path| {
+                image.save_with_format(path, format).expect("writes the image");
+            });
+            assert_is(name, &texture.expect(name), vec4(HALF, HALF, HALF, 1.0), 0.01);
+        }
+    }
+    for (bytes, words) in [(&b"GIF89a"[..], "a GIF"), (b"<html>", "no image"), (b"", "is empty")] {
+        let message = texture("image.png", |path| fs::write(path, bytes).expect("writes"));
+        let message = message.expect_err("refused");
+        assert!(message.contains(words) && message.contains("image.png"), "{message}");
+    }
+}
+
+/// Loads a scene that names a ramp of 16 bits, in which neighbours differ by one, by `fields` of
+/// its material and of a subdivision of a square of sixteen.
+fn with_ramp(material: &str, subdiv: &str) -> rotund_scene::Scene {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let ramp = ImageBuffer::from_fn(16, 16, |x, _| Luma([30_000 + x as u16]));
+    DynamicImage::from(ramp).save(folder.path().join("ramp.png")).expect("writes the image");
+    let scene = folder.path().join("scene.json");
+    let json = format!(
+        r#"{{ "textures": [{{ "name": "first" }}, {{ "uri": "ramp.png", "name": "ramp" }}],
+        "materials": [{{ "color": [1, 1, 1] {material} }}],
+        "shapes": [{{ "generator": {RECTANGLE} }}],
+        "subdivs": [{{ "shape": 0, "generator": {RECTANGLE} {subdiv} }}] }}"#
+    );
+    let json = json.replace(r#"{ "name": "first" }"#, r#"{ "name": "first", "uri": "ramp.png" }"#);
+    fs::write(&scene, json).expect("writes the scene");
+    load(&scene, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+const RECTANGLE: &str = r#"{ "rectangle": { "size": [1, 1], "steps": [16, 16] } }"#;
+
+#[test]
+fn data_of_16_bits_keep_them_and_colours_take_8() {
+    for field in ["normal_tex", "roughness_tex"] {
+        let scene = with_ramp(&format!(r#", "{field}": "ramp""#), "");
+        assert!(matches!(scene.textures[1].pixels, Pixels::Words(_)), "{field}");
+        assert!(matches!(scene.textures[0].pixels, Pixels::TiledBytes(_)), "unused: {field}");
+        for x in 0..16_u8 {
+            let data = scene.textures[1].data(vec2(f32::from(x) / 16.0, 0.5));
+            let expected = (30_000.0 + f32::from(x)) / 65_535.0;
+            assert!((data.x - expected).abs() < 1e-6 && data.w == 1.0, "{field} {x}: {data}");
+            let color = scene.textures[1].color_at(x.into(), 3).x;
+            assert!((color - rotund_image_linear(expected)).abs() < 1e-5, "{field} {x}: {color}");
+        }
+        assert!(scene.textures[1].is_opaque());
+        rotund_scene::Trees::build(&scene).expect("valid");
+    }
+    let scene = with_ramp(r#", "color_tex": 1"#, "");
+    assert!(matches!(scene.textures[1].pixels, Pixels::TiledBytes(_)), "a colour");
+}
+
+/// The transfer function of sRGB above its linear part.
+fn rotund_image_linear(srgb: f32) -> f32 {
+    ((srgb + 0.055) / 1.055).powf(2.4)
+}
+
+#[test]
+fn heights_of_16_bits_are_no_terraces() {
+    let scene = with_ramp("", r#", "displacement": 65535, "displacement_tex": "ramp""#);
+    // Steps of one in the file are steps of 3/4 in the mean of grey and alpha.
+    let mut heights: Vec<f32> =
+        scene.shapes[0].positions.iter().map(|p| p.length() / 0.75).map(f32::round).collect();
+    heights.sort_by(f32::total_cmp);
+    heights.dedup();
+    assert!(heights.len() >= 16, "{heights:?}");
+}
+
+#[test]
+fn a_file_that_several_textures_name_is_the_same_in_each() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let noise = |x: u32, y: u32| Rgb([x, y, x * y].map(|i| (i * 37 % 251) as u8));
+    let image: DynamicImage = ImageBuffer::from_fn(40, 40, noise).into();
+    image.save(folder.path().join("image.png")).expect("writes the image");
+    let items: Vec<String> =
+        (0..12).map(|i| format!(r#"{{ "name": "t{i}", "uri": "image.png" }}"#)).collect();
+    let scene = folder.path().join("scene.json");
+    fs::write(&scene, format!(r#"{{ "textures": [{}] }}"#, items.join(", "))).expect("writes");
+    let textures = load(&scene, &LoadOptions::default()).expect("loads").scene.textures;
+    assert_eq!(textures.len(), 12);
+    for (i, texture) in textures.iter().enumerate() {
+        assert_eq!(texture.name, format!("t{i}"));
+        assert_eq!(texture.pixels, textures[0].pixels);
+    }
+    // One that cannot be read is reported once.
+    fs::write(folder.path().join("image.png"), "no image").expect("writes");
+    let options = LoadOptions { keep_going: true, ..LoadOptions::default() };
+    let loaded = load(&scene, &options).expect("loads");
+    assert_eq!((loaded.scene.textures.len(), loaded.warnings.len()), (12, 1));
 }

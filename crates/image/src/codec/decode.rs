@@ -1,75 +1,20 @@
 //! Bytes to images.
 
+use super::decoded::{Decoded, Samples};
 use super::error::{DecodeError, one_line};
 use super::format::Format;
-use crate::{Image, linear_from_srgb, linear_from_srgb_table};
+use super::size::{MAX_PIXELS, check_size};
+use super::{hdr, openexr};
 use ::image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
-use exr::prelude::{
-    MetaData, ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _, read as read_exr,
-};
 use std::io::Cursor;
-
-/// Upper bound on the compression ratio of all formats. Deflate, in PNG and EXR, reaches 1032. In
-/// JPEG, a block of 64 samples takes at least one bit, and chroma subsampled four-fold makes that
-/// 1365 bytes from one.
-const MAX_COMPRESSION: u64 = 1400;
-
-/// Largest number of pixels: 16,384 x 16,384.
-const MAX_PIXELS: u64 = 1 << 28;
-
-/// An image with the precision of its file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Decoded {
-    /// Number of columns, at least 1.
-    pub width: u32,
-    /// Number of rows, at least 1.
-    pub height: u32,
-    /// The pixels, row by row from the top.
-    pub samples: Samples,
-}
-
-/// Red, green, blue and alpha of each pixel. Alpha is the largest value where the file has none.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Samples {
-    /// sRGB with 8 bits per channel, from PNG and JPEG files.
-    Srgb8(Vec<[u8; 4]>),
-    /// sRGB with 16 bits per channel, from PNG files.
-    Srgb16(Vec<[u16; 4]>),
-    /// Linear, from HDR and EXR files.
-    Linear(Vec<[f32; 4]>),
-}
-
-impl From<Decoded> for Image {
-    /// Converts to linear values. Alpha is scaled to `0.0..=1.0` only.
-    fn from(decoded: Decoded) -> Self {
-        let Decoded { width, height, samples } = decoded;
-        let pixels = match samples {
-            Samples::Srgb8(pixels) => {
-                let linear = linear_from_srgb_table();
-                let pixel = |[r, g, b, a]: [u8; 4]| {
-                    let [r, g, b] = [r, g, b].map(|byte| linear[usize::from(byte)]);
-                    [r, g, b, f32::from(a) / 255.0]
-                };
-                pixels.into_iter().map(pixel).collect()
-            }
-            Samples::Srgb16(pixels) => {
-                let pixel = |pixel: [u16; 4]| {
-                    let [r, g, b, a] = pixel.map(|word| f32::from(word) / 65_535.0);
-                    let [r, g, b] = [r, g, b].map(linear_from_srgb);
-                    [r, g, b, a]
-                };
-                pixels.into_iter().map(pixel).collect()
-            }
-            Samples::Linear(pixels) => pixels,
-        };
-        Self { width, height, pixels }
-    }
-}
 
 /// Decodes an image file in memory. The bytes need not be trusted: an image that claims more pixels
 /// than a file of this length can hold is refused before memory is allocated for it.
 ///
-/// An EXR file with a lone channel, or with a channel `Y` but none named `R`, becomes grey.
+/// An HDR file may start with any `#?` and have any order of axes; its pixels are divided by its
+/// exposure. An EXR file gives its display window, from the channels `R G B A`, also in a layer
+/// such as Blender's `Combined`; one with a lone channel, or with a channel `Y` but none named `R`,
+/// becomes grey.
 ///
 /// # Errors
 ///
@@ -79,9 +24,11 @@ pub fn decode(bytes: &[u8], format: Format) -> Result<Decoded, DecodeError> {
     let decoded = match format {
         Format::Png => decode_with_image(bytes, ImageFormat::Png),
         Format::Jpeg => decode_with_image(bytes, ImageFormat::Jpeg),
-        Format::Hdr => decode_with_image(bytes, ImageFormat::Hdr),
+        Format::Bmp => decode_with_image(bytes, ImageFormat::Bmp),
+        Format::Tga => decode_with_image(bytes, ImageFormat::Tga),
+        Format::Hdr => hdr::decode(bytes),
         // Integer overflow in the library, as from damaged B44 data, panics in a debug build.
-        Format::Exr => std::panic::catch_unwind(|| decode_exr(bytes))
+        Format::Exr => std::panic::catch_unwind(|| openexr::decode(bytes))
             .unwrap_or_else(|_| Err("the data of the image make no sense".to_owned())),
     };
     match decoded {
@@ -137,84 +84,4 @@ fn decode_with_image(bytes: &[u8], format: ImageFormat) -> Result<Decoded, Strin
         _ => Samples::Srgb8(image.into_rgba8().pixels().map(|pixel| pixel.0).collect()),
     };
     Ok(Decoded { width, height, samples })
-}
-
-fn decode_exr(bytes: &[u8]) -> Result<Decoded, String> {
-    // The dimensions first, because the library allocates what a header claims.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
-        .map_err(|error| error.to_string())?;
-    let mut names = Vec::new();
-    for header in &meta.headers {
-        let bits = 8 * header.channels.bytes_per_pixel as u64;
-        check_size(header.layer_size.0 as u64, header.layer_size.1 as u64, bits, bytes)?;
-        names.extend(header.channels.list.iter().map(|channel| channel.name.to_string()));
-    }
-    let grey = match &names[..] {
-        [name] if name != "A" => Some(name.as_str()),
-        _ if names.iter().any(|name| name == "R") => None,
-        _ => names.iter().any(|name| name == "Y").then_some("Y"),
-    };
-    let levels = read_exr().no_deep_data().largest_resolution_level();
-    let pixels = match grey {
-        Some(name) => levels
-            .specific_channels()
-            .required(name)
-            .optional("A", 1.0)
-            .collect_pixels(
-                |size, _| Canvas::new(size.0, size.1),
-                |canvas: &mut Canvas, at, (y, a): (f32, f32)| canvas.set(at.0, at.1, [y, y, y, a]),
-            )
-            .first_valid_layer()
-            .all_attributes()
-            .non_parallel()
-            .from_buffered(Cursor::new(bytes))
-            .map(|image| image.layer_data.channel_data.pixels),
-        None => levels
-            .rgba_channels(
-                |size, _| Canvas::new(size.0, size.1),
-                |canvas: &mut Canvas, at, (r, g, b, a): (f32, f32, f32, f32)| {
-                    canvas.set(at.0, at.1, [r, g, b, a]);
-                },
-            )
-            .first_valid_layer()
-            .all_attributes()
-            .non_parallel()
-            .from_buffered(Cursor::new(bytes))
-            .map(|image| image.layer_data.channel_data.pixels),
-    };
-    let Canvas { width, height, pixels } = pixels.map_err(|error| error.to_string())?;
-    Ok(Decoded {
-        width: u32::try_from(width).map_err(|error| error.to_string())?,
-        height: u32::try_from(height).map_err(|error| error.to_string())?,
-        samples: Samples::Linear(pixels),
-    })
-}
-
-/// The pixels of an image while the library delivers them.
-struct Canvas {
-    width: usize,
-    height: usize,
-    pixels: Vec<[f32; 4]>,
-}
-
-impl Canvas {
-    fn new(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![[0.0; 4]; width * height] }
-    }
-
-    fn set(&mut self, x: usize, y: usize, pixel: [f32; 4]) {
-        self.pixels[y * self.width + x] = pixel;
-    }
-}
-
-/// Refuses sizes that no file of this length can hold, before anything is allocated for them.
-fn check_size(width: u64, height: u64, bits_per_pixel: u64, bytes: &[u8]) -> Result<(), String> {
-    let pixels = width.saturating_mul(height);
-    if pixels > MAX_PIXELS {
-        return Err(format!("{width} x {height} pixels are more than the {MAX_PIXELS} supported"));
-    }
-    if pixels.saturating_mul(bits_per_pixel) / 8 > bytes.len() as u64 * MAX_COMPRESSION {
-        return Err(format!("{width} x {height} pixels cannot come from a file of this size"));
-    }
-    Ok(())
 }

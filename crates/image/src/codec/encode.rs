@@ -68,6 +68,10 @@ pub(super) fn encode_to(
             let encoder = JpegEncoder::new_with_quality(file, JPEG_QUALITY);
             encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb8).map_err(plain)
         }
+        Format::Bmp | Format::Tga => {
+            let problem = "BMP and TGA files are only read; write a PNG instead".to_owned();
+            Err(EncodeError { problem })
+        }
         Format::Hdr => {
             let colors: Vec<_> = pixels.iter().map(|&pixel| rgbe_range(pixel)).collect();
             HdrEncoder::new(file).encode(&colors, size.0, size.1).map_err(plain)

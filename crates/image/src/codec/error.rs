@@ -27,8 +27,6 @@ pub struct EncodeError {
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum ReadError {
-    #[error("cannot read {}: image files are named {}", path.display(), Format::EXTENSIONS)]
-    UnknownFormat { path: PathBuf },
     #[error("cannot read {}", path.display())]
     Open { path: PathBuf, source: io::Error },
     #[error("{} cannot be read as an image", path.display())]

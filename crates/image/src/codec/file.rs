@@ -11,11 +11,11 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 impl Image {
-    /// Reads a PNG, JPEG, Radiance HDR or OpenEXR file.
+    /// Reads a PNG, JPEG, BMP, TGA, Radiance HDR or OpenEXR file; its content decides on the
+    /// format, not its name.
     ///
-    /// PNG and JPEG files are decoded from sRGB, HDR and EXR files are linear. Alpha is 1 where the
-    /// file has none; a file with a single channel becomes grey. The content of the file decides on
-    /// the format, and its name where the content has no signature.
+    /// HDR and EXR files are linear, the others are decoded from sRGB. Alpha is 1 where the file
+    /// has none; a file with a single channel becomes grey.
     ///
     /// # Errors
     ///
@@ -23,12 +23,10 @@ impl Image {
     /// cannot hold.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         let path = path.as_ref();
-        let named = Format::from_path(path)
-            .ok_or_else(|| ReadError::UnknownFormat { path: path.into() })?;
         let bytes =
             std::fs::read(path).map_err(|source| ReadError::Open { path: path.into(), source })?;
-        let format = Format::from_content(&bytes).unwrap_or(named);
-        let decoded = decode(&bytes, format)
+        let decoded = Format::of_content(&bytes)
+            .and_then(|format| decode(&bytes, format))
             .map_err(|source| ReadError::Decode { path: path.into(), source })?;
         Ok(decoded.into())
     }

@@ -1,12 +1,18 @@
 //! Image files: PNG and JPEG for screens, OpenEXR and Radiance HDR for linear light.
 
+mod content;
 mod decode;
+mod decoded;
 mod encode;
 mod error;
 mod file;
 mod format;
+mod hdr;
+mod openexr;
+mod size;
 
-pub use decode::{Decoded, Samples, decode};
+pub use decode::decode;
+pub use decoded::{Decoded, Samples};
 pub use encode::{EXR_ENCODING, encode};
 pub use error::{DecodeError, EncodeError, ReadError, WriteError};
 pub use file::write_with;

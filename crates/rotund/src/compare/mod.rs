@@ -31,7 +31,8 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Names of built-in scenes, or paths of JSON, PLY, OBJ, SWC, TCK or TRK files.
+    /// Names of built-in scenes, or paths of JSON, PLY, OBJ, SWC, TCK, TRK, XYZ, TXT, CSV,
+    /// PTS or ASC files.
     #[arg(value_name = "SCENE", required_unless_present = "all")]
     scenes: Vec<String>,
     /// Compare all built-in scenes.

@@ -5,9 +5,11 @@ use super::{
     error::{LoadError, LoadProblem},
     file::{NamedFile, Opened},
     format::{SceneFile, ShapeFile, SubdivFile, TextureFile},
-    image,
+    image, materials,
     mesh::{self, Mesh},
-    obj, ply, resolve,
+    obj, ply, points,
+    radius::default_radius,
+    resolve,
     subdivide::{self, Subdivision},
     swc,
     tracks::{tck, trk},
@@ -17,8 +19,9 @@ use crate::{
     generate::{Geometry, Unfit},
     validate,
 };
+use glam::DVec3;
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::{collections::HashMap, path::PathBuf};
 
 /// The source of a texture or shape: a file by its `uri`, or a generator.
 struct Source<'s, 'a, G> {
@@ -51,22 +54,33 @@ impl<G> Source<'_, '_, G> {
     }
 }
 
-/// Loads all textures, in order.
+/// Loads all textures, in order. A file that several of them name is decoded once.
 pub(super) fn textures(
     context: &mut Context<'_>,
     file: &SceneFile,
 ) -> Result<Vec<Texture>, LoadError> {
     let shared = &*context;
-    let load = |(i, (key, texture)): (usize, &(Option<String>, TextureFile))| {
+    let are_data = resolve::are_data(file);
+    let mut first_of = HashMap::new();
+    let items = file.textures.items.iter().enumerate();
+    let originals: Vec<usize> = items
+        .map(|(i, (_, texture))| match &texture.uri {
+            Some(uri) if texture.generator.is_none() => {
+                *first_of.entry((uri, are_data[i])).or_insert(i)
+            }
+            _ => i,
+        })
+        .collect();
+    let load = |i: usize| {
+        let texture: &TextureFile = &file.textures.items[i].1;
         let source = Source {
             context: shared,
             field: format!("textures[{i}]"),
             uri: texture.uri.as_ref(),
             generator: texture.generator.as_ref(),
         };
-        let mut loaded =
-            source.get(|file| read_texture(shared, file), |generator| generator.build())?;
-        loaded.name = key.clone().unwrap_or_else(|| texture.name.clone());
+        let read = |file: &NamedFile| image::read(shared, file, are_data[i]);
+        let mut loaded = source.get(read, |generator| generator.build())?;
         let mended = image::mend(&mut loaded);
         loaded.pixels = loaded.pixels.packed(loaded.width);
         let warning = (mended > 0).then(|| {
@@ -76,37 +90,58 @@ pub(super) fn textures(
         });
         Ok((loaded, warning))
     };
-    let loaded: Vec<_> = file.textures.items.par_iter().enumerate().map(load).collect();
-    let mut textures = Vec::new();
-    for result in loaded {
-        match result {
-            Err(error) if context.options.keep_going => {
+    let loaded: Vec<Option<Result<_, LoadError>>> = originals
+        .par_iter()
+        .enumerate()
+        .map(|(i, &original)| (i == original).then(|| load(i)))
+        .collect();
+    let mut textures: Vec<Texture> = Vec::new();
+    for ((result, original), (key, described)) in
+        loaded.into_iter().zip(originals).zip(&file.textures.items)
+    {
+        let texture = match result {
+            None => textures[original].clone(),
+            Some(Err(error)) if context.options.keep_going => {
                 context.warnings.push(format!("texture left out and replaced by white: {error}"));
-                textures.push(Texture::default());
+                Texture::default()
             }
-            result => {
+            Some(result) => {
                 let (texture, warning) = result?;
-                textures.push(texture);
                 context.warnings.extend(warning);
+                texture
             }
-        }
+        };
+        let name = key.clone().unwrap_or_else(|| described.name.clone());
+        textures.push(Texture { name, ..texture });
     }
     Ok(textures)
 }
 
-/// Loads all shapes, in order; `textures` serve as displacement maps.
+/// What an item of the shapes of a scene describes.
+pub(super) struct LoadedShape {
+    /// One shape, and more if the file has elements of several kinds.
+    pub shapes: Vec<Shape>,
+    /// What has been subtracted from all positions.
+    pub offset: DVec3,
+    warnings: Vec<String>,
+    /// Files beside the one that the scene names.
+    files: Vec<PathBuf>,
+}
+
+/// Loads all shapes, in order; `textures` serve as displacement maps. Returns them with the files
+/// that were read beside those that the scene names.
 pub(super) fn shapes(
     context: &mut Context<'_>,
     file: &SceneFile,
     textures: &[Texture],
-) -> Result<Vec<Shape>, LoadError> {
+) -> Result<(Vec<LoadedShape>, Vec<PathBuf>), LoadError> {
     let subdivs = resolve::subdivs(file).map_err(|problem| context.fail(problem))?;
     let shared = &*context;
     let load = |(i, (key, shape)): (usize, &(Option<String>, ShapeFile))| {
         // A subdivision replaces its shape, whose own file is not read.
         let mut numbered = subdivs.iter().enumerate();
         let subdiv = numbered.rfind(|(_, subdiv)| subdiv.shape as usize == i);
-        let (mut loaded, warnings) = match subdiv {
+        let mut loaded = match subdiv {
             Some((k, references)) => {
                 let described: &SubdivFile = &file.subdivs.items[k].1;
                 let source = Source {
@@ -115,9 +150,10 @@ pub(super) fn shapes(
                     uri: described.uri.as_ref(),
                     generator: described.generator.as_ref(),
                 };
-                let (control, warnings) = read_shape(&source)?;
+                let mut control = read_shape(&source)?;
                 let texture = references.displacement_tex.map(|index| &textures[index as usize]);
-                (subdivided(&source, &control, described, texture)?, warnings)
+                control.shapes[0] = subdivided(&source, &control.shapes[0], described, texture)?;
+                control
             }
             None => read_shape(&Source {
                 context: shared,
@@ -126,68 +162,78 @@ pub(super) fn shapes(
                 generator: shape.generator.as_ref(),
             })?,
         };
-        loaded.name = key.clone().unwrap_or_else(|| shape.name.clone());
-        if let Some(method) = shape.method.or(file.method) {
-            loaded.method = method;
-        }
-        if let Some(overlap) = shape.overlap {
-            loaded.overlap = overlap;
+        for loaded in &mut loaded.shapes {
+            loaded.name = key.clone().unwrap_or_else(|| shape.name.clone());
+            if let Some(method) = shape.method.or(file.method) {
+                loaded.method = method;
+            }
+            if let Some(overlap) = shape.overlap {
+                loaded.overlap = overlap;
+            }
         }
         // Values from files are checked already; generators and subdivisions may overflow.
         if shape.generator.is_some() || subdiv.is_some() {
-            validate::shape(i, &loaded)
+            validate::shape(i, &loaded.shapes[0])
                 .map_err(|error| shared.fail(LoadProblem::Scene { error }))?;
         }
-        Ok((loaded, warnings))
+        Ok(loaded)
     };
     let loaded: Vec<_> = file.shapes.items.par_iter().enumerate().map(load).collect();
-    let mut shapes = Vec::new();
-    for result in loaded {
-        let (shape, its_warnings): (_, Vec<_>) = result?;
-        shapes.push(shape);
-        context.warnings.extend(its_warnings);
+    let mut loaded = loaded.into_iter().collect::<Result<Vec<LoadedShape>, LoadError>>()?;
+    let mut files = Vec::new();
+    for shape in &mut loaded {
+        context.warnings.append(&mut shape.warnings);
+        files.append(&mut shape.files);
     }
-    Ok(shapes)
+    Ok((loaded, files))
 }
 
-/// Lists the scene file and the files that it names, without those that do not exist because a
-/// subdivision replaces their shape.
-pub(super) fn files(context: &Context<'_>, file: &SceneFile) -> Vec<PathBuf> {
+/// Lists the scene file, the files that it names, without those that do not exist because a
+/// subdivision replaces their shape, and `more`.
+pub(super) fn files(context: &Context<'_>, file: &SceneFile, more: Vec<PathBuf>) -> Vec<PathBuf> {
     let textures = file.textures.items.iter().filter_map(|(_, texture)| texture.uri.as_ref());
     let shapes = file.shapes.items.iter().filter_map(|(_, shape)| shape.uri.as_ref());
     let subdivs = file.subdivs.items.iter().filter_map(|(_, subdiv)| subdiv.uri.as_ref());
     let named = textures.chain(shapes).chain(subdivs).map(|uri| context.folder().join(uri));
     let mut files: Vec<_> = named.filter(|path| context.files.is_file(path)).collect();
     files.push(context.scene.clone());
+    files.extend(more);
     files.sort();
     files.dedup();
     files
 }
 
-fn read_texture(context: &Context<'_>, file: &NamedFile) -> Result<Texture, LoadError> {
-    let format = image::format(file.extension()).map_err(|problem| file.fail(problem))?;
-    let bytes = context.files.read(file)?;
-    image::read(&bytes, format).map_err(|problem| file.fail(problem))
-}
-
-/// Loads a shape; returns it with warnings.
-fn read_shape(source: &Source<'_, '_, Geometry>) -> Result<(Shape, Vec<String>), LoadError> {
+/// Loads the shapes of one item.
+fn read_shape(source: &Source<'_, '_, Geometry>) -> Result<LoadedShape, LoadError> {
     source.get(
-        |file| into_shape(read_mesh(source.context, file)?, file, mesh::DEFAULT_RADIUS),
-        |generator| Ok((generator.build()?, Vec::new())),
+        |file| {
+            let mut mesh = read_mesh(source.context, file)?;
+            mesh.materials_to_colors();
+            // PLY and OBJ are the formats of yocto-gl, which has this default. The others may be in
+            // millimeters or angstroms.
+            let usual = matches!(file.extension().as_str(), "ply" | "obj");
+            let radius = if usual || !mesh.radii.is_empty() {
+                mesh::DEFAULT_RADIUS
+            } else {
+                default_radius(&mesh)
+            };
+            let of_file = |warning| format!("{}: {warning}", file.path.display());
+            Ok(LoadedShape {
+                offset: mesh.offset,
+                warnings: mesh.warnings.drain(..).map(of_file).collect(),
+                files: std::mem::take(&mut mesh.files),
+                shapes: mesh.into_parts(radius).into_iter().map(|part| part.shape).collect(),
+            })
+        },
+        |generator| {
+            Ok(LoadedShape {
+                shapes: vec![generator.build()?],
+                offset: DVec3::ZERO,
+                warnings: Vec::new(),
+                files: Vec::new(),
+            })
+        },
     )
-}
-
-/// Converts a mesh that was read from a file; returns the shape with warnings.
-pub(super) fn into_shape(
-    mesh: Mesh,
-    file: &NamedFile,
-    default_radius: f32,
-) -> Result<(Shape, Vec<String>), LoadError> {
-    let (shape, warnings) =
-        mesh.into_shape(default_radius).map_err(|problem| file.fail(problem))?;
-    let of_file = |warning| format!("{}: {warning}", file.path.display());
-    Ok((shape, warnings.into_iter().map(of_file).collect()))
 }
 
 fn subdivided(
@@ -227,12 +273,17 @@ fn subdivided(
     ))
 }
 
+/// The extensions of files that [`read_mesh`] reads, for messages.
+const SUPPORTED: &str = "ply, obj, swc, tck, trk, xyz, txt, csv, pts and asc";
+
 /// Returns true for the extensions of files that [`read_mesh`] reads.
 pub(super) fn is_mesh(extension: &str) -> bool {
     matches!(extension, "ply" | "obj" | "swc" | "tck" | "trk")
+        || points::EXTENSIONS.contains(&extension)
 }
 
-/// Reads a file of points, lines or faces, by its extension.
+/// Reads a file of points, lines or faces, by its extension, and the materials that it names. The
+/// mesh is valid.
 pub(super) fn read_mesh(context: &Context<'_>, file: &NamedFile) -> Result<Mesh, LoadError> {
     let mesh = match file.extension().as_str() {
         "ply" => match context.files.open(file)? {
@@ -243,10 +294,20 @@ pub(super) fn read_mesh(context: &Context<'_>, file: &NamedFile) -> Result<Mesh,
         "swc" => swc::read(&context.files.read(file)?),
         "tck" => tck::read(&context.files.read(file)?),
         "trk" => trk::read(&context.files.read(file)?),
+        text if points::EXTENSIONS.contains(&text) => {
+            points::read(&context.files.read(file)?, text)
+        }
         other => {
             let extension = other.to_owned();
-            Err(LoadProblem::Unsupported { extension, supported: "ply, obj, swc, tck and trk" })
+            Err(LoadProblem::Unsupported { extension, supported: SUPPORTED })
         }
     };
-    mesh.map_err(|problem| file.fail(problem))
+    let mut mesh = mesh.map_err(|problem| file.fail(problem))?;
+    mesh.settle().map_err(|problem| file.fail(problem))?;
+    if !mesh.colors.is_empty() && mesh.colors.iter().all(|color| color.w == 0.0) {
+        mesh.colors.par_iter_mut().for_each(|color| color.w = 1.0);
+        mesh.warnings.push("alpha is 0 at every vertex; taken as opaque".to_owned());
+    }
+    materials::define(context, file, &mut mesh);
+    Ok(mesh)
 }

@@ -97,7 +97,8 @@ fn lookat(field: String, frame: glam::Affine3A) -> Result<(), LoadProblem> {
 }
 
 /// Refuses a frame that is not finite or whose inverse is not.
-pub(super) fn frame(field: String, Frame(frame): Frame) -> Result<(), LoadProblem> {
+pub(super) fn frame(field: String, frame: Frame) -> Result<(), LoadProblem> {
+    let frame = frame.single();
     if is_invertible(&frame) {
         return Ok(());
     }

@@ -78,6 +78,11 @@ pub enum LoadProblem {
         line: usize,
         problem: String,
     },
+    /// A line of points as text.
+    PointsLine {
+        line: usize,
+        problem: String,
+    },
     /// The header of a file of streamlines, TCK or TRK.
     TracksHeader {
         problem: String,
@@ -103,10 +108,6 @@ pub enum LoadProblem {
         index: u64,
         vertex: i64,
         count: usize,
-    },
-    MixedElements {
-        first: &'static str,
-        second: &'static str,
     },
     EmptyShape,
     TooMany {
@@ -177,7 +178,9 @@ impl fmt::Display for LoadProblem {
             ),
             Self::NotPly => f.write_str("is not a PLY file: it does not start with a line `ply`"),
             Self::PlyHeader { line, problem } => write!(f, "line {line} of the header: {problem}"),
-            Self::ObjLine { line, problem } | Self::SwcLine { line, problem } => {
+            Self::ObjLine { line, problem }
+            | Self::SwcLine { line, problem }
+            | Self::PointsLine { line, problem } => {
                 write!(f, "line {line}: {problem}")
             }
             Self::TracksHeader { problem } => write!(f, "header: {problem}"),
@@ -191,10 +194,6 @@ impl fmt::Display for LoadProblem {
             Self::VertexOutOfRange { element, index, vertex, count } => {
                 write!(f, "{element} {index} names vertex {vertex}, but there are {count} vertices")
             }
-            Self::MixedElements { first, second } => write!(
-                f,
-                "has {first} and {second} in one shape; split it into one file for each kind"
-            ),
             Self::EmptyShape => f.write_str("has no points, lines or faces"),
             Self::TooMany { what, count, limit } => {
                 write!(f, "has {count} {what}, more than the {limit} that are supported")

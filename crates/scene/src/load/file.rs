@@ -127,7 +127,7 @@ pub(super) fn extension(path: &Path) -> String {
 }
 
 /// Returns a path with `/` as the separator on all systems.
-fn slashed(path: &Path) -> String {
+pub(super) fn slashed(path: &Path) -> String {
     path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
 }
 
@@ -137,4 +137,21 @@ pub(super) fn text(bytes: &[u8]) -> Result<&[u8], LoadProblem> {
         return Err(LoadProblem::Encoding);
     }
     Ok(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+}
+
+/// Returns the lines of a text, whatever ends them: a line feed, a carriage return and a line feed,
+/// or a carriage return alone, as on old Macs.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        if rest.is_empty() {
+            return None;
+        }
+        let end = rest.bytes().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let end = end.unwrap_or(rest.len());
+        let (line, after) = rest.split_at(end);
+        let terminator = if after.starts_with("\r\n") { 2 } else { after.len().min(1) };
+        rest = &after[terminator..];
+        Some(line)
+    })
 }

@@ -2,7 +2,7 @@
 
 use super::collection::{Collection, Reference, items, items_or_files, object};
 use crate::{Method, Overlap, camera::look_at, generate};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 use serde::{Deserialize, Deserializer};
 
 #[derive(Debug, Default, Deserialize)]
@@ -238,13 +238,20 @@ pub(super) struct InstanceFile {
     pub instance: Option<String>,
 }
 
-/// Twelve numbers, flat or in four vectors: the x, y and z axes and the origin.
+/// Twelve numbers, flat or in four vectors: the x, y and z axes and the origin. They are double, so
+/// that the sum of an origin and the offset of a shape far away is rounded once.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame(pub Affine3A);
+pub(super) struct Frame(pub DAffine3);
+
+impl Frame {
+    pub(super) fn single(self) -> Affine3A {
+        self.0.as_affine3a()
+    }
+}
 
 impl Default for Frame {
     fn default() -> Self {
-        Self(Affine3A::IDENTITY)
+        Self(DAffine3::IDENTITY)
     }
 }
 
@@ -253,12 +260,12 @@ impl<'de> Deserialize<'de> for Frame {
         #[derive(Deserialize)]
         #[serde(untagged, expecting = "expected a frame: 12 numbers, or 4 vectors of 3 numbers")]
         enum Form {
-            Flat([f32; 12]),
-            Nested([[f32; 3]; 4]),
+            Flat([f64; 12]),
+            Nested([[f64; 3]; 4]),
         }
         Ok(Self(match Form::deserialize(deserializer)? {
-            Form::Flat(numbers) => Affine3A::from_cols_array(&numbers),
-            Form::Nested(columns) => Affine3A::from_cols_array_2d(&columns),
+            Form::Flat(numbers) => DAffine3::from_cols_array(&numbers),
+            Form::Nested(columns) => DAffine3::from_cols_array_2d(&columns),
         }))
     }
 }

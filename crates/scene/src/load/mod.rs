@@ -3,25 +3,32 @@
 mod assets;
 mod check;
 mod collection;
+mod colors;
 mod context;
 mod error;
+mod far;
 mod file;
 mod format;
+mod framing;
 mod image;
 mod lone;
+mod materials;
 mod mesh;
 mod obj;
 mod older;
 mod options;
+mod place;
 mod placements;
 mod ply;
+mod points;
+mod radius;
 mod resolve;
 mod subdivide;
 mod swc;
 mod tracks;
 
 pub use error::{LoadError, LoadProblem, NamedBy};
-pub use options::LoadOptions;
+pub use options::{LoadOptions, Up};
 
 use crate::Scene;
 use context::Context;
@@ -44,9 +51,9 @@ pub struct Loaded {
 }
 
 /// Loads a scene of yocto-gl, version 4.0 to 5.0, with the files that it names: PLY and OBJ for
-/// shapes and control meshes, SWC, TCK and TRK for shapes of lines; PNG, JPEG, HDR and EXR for
-/// textures. The file of a shape by itself becomes a scene with a camera, a floor and a sky around
-/// it; a scene without a camera gets one.
+/// shapes and control meshes, SWC, TCK and TRK for shapes of lines, XYZ, TXT, CSV, PTS and ASC for
+/// points; PNG, JPEG, HDR, EXR, BMP and TGA for textures. The file of a shape by itself
+/// becomes a scene with a camera, a floor and a sky around it; a scene without a camera gets one.
 ///
 /// Unknown fields become warnings. Memory is bounded by a small multiple of the sizes of the files,
 /// independent of the counts in their headers.
@@ -69,10 +76,10 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Loa
 
 /// Loads a scene from memory, as [`load`] does from the file `name`.
 ///
-/// `bytes` is the content of that file, and `files` returns the content of each file that the scene
-/// names, by its path with `/` as the separator: if `scenes/a.json` names `shapes/b.ply`, the path
-/// is `scenes/shapes/b.ply`. The extension of `name` distinguishes scenes in JSON from the files of
-/// shapes.
+/// `bytes` is the content of that file, and `files` returns the content of each file that it names,
+/// also of the materials and images of a lone mesh. It gets the path with `/` as the separator: if
+/// `scenes/a.json` names `shapes/b.ply`, the path is `scenes/shapes/b.ply`. The extension of `name`
+/// distinguishes scenes in JSON from the files of shapes.
 ///
 /// ```
 /// use rotund_scene::{LoadOptions, load_bytes};
@@ -98,8 +105,11 @@ pub fn load_bytes<'a>(
 ) -> Result<Loaded, LoadError> {
     let name = name.as_ref();
     if assets::is_mesh(&file::extension(name)) {
-        let only = |_: &str| Some(Cow::Borrowed(bytes));
-        return load_lone(Context::new(name, options, Files::Memory(&only)));
+        let path = file::slashed(name);
+        let own = |asked: &str| {
+            if asked == path { Some(Cow::Borrowed(bytes)) } else { files(asked) }
+        };
+        return load_lone(Context::new(name, options, Files::Memory(&own)));
     }
     let context = Context::new(name, options, Files::Memory(files));
     check_extension(&context)?;
@@ -107,8 +117,8 @@ pub fn load_bytes<'a>(
 }
 
 fn load_lone(mut context: Context<'_>) -> Result<Loaded, LoadError> {
-    let scene = lone::load(&mut context)?;
-    let files = vec![context.scene.clone()];
+    let (scene, mut files) = lone::load(&mut context)?;
+    files.insert(0, context.scene.clone());
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
@@ -122,7 +132,7 @@ fn check_extension(context: &Context<'_>) -> Result<(), LoadError> {
 
 fn unsupported(context: &Context<'_>) -> LoadError {
     let extension = file::extension(&context.scene);
-    let supported = "json, ply, obj, swc, tck and trk";
+    let supported = "json, ply, obj, swc, tck, trk, xyz, txt, csv, pts and asc";
     context.fail(LoadProblem::Unsupported { extension, supported })
 }
 
@@ -131,10 +141,14 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     if bytes.starts_with(b"ply") {
         return Err(unsupported(&context));
     }
-    if context.options.radius.is_some() {
-        context.warn(
-            "the radius changes nothing: it is for files of shapes that are loaded by themselves",
-        );
+    let LoadOptions { radius, up, .. } = context.options;
+    for (what, is_given) in [("radius", radius.is_some()), ("up axis", up.is_some())] {
+        if is_given {
+            context.warn(format_args!(
+                "the {what} changes nothing: it is for files of shapes that are loaded by \
+                 themselves"
+            ));
+        }
     }
     let mut file = parse(&mut context, bytes)?;
     older::spell_out(&context, &mut file);
@@ -142,11 +156,12 @@ fn load_json(mut context: Context<'_>, bytes: &[u8]) -> Result<Loaded, LoadError
     placements::expand(&context, &mut file)?;
     let mut scene = resolve::resolve(&mut context, &file)?;
     scene.textures = assets::textures(&mut context, &file)?;
-    scene.shapes = assets::shapes(&mut context, &file, &scene.textures)?;
+    let (shapes, more) = assets::shapes(&mut context, &file, &scene.textures)?;
+    place::shapes(&mut scene, &file, shapes);
     if scene.cameras.is_empty() {
         scene.cameras.extend(lone::camera_for(&scene));
     }
-    let files = assets::files(&context, &file);
+    let files = assets::files(&context, &file, more);
     Ok(Loaded { scene, warnings: context.warnings, files })
 }
 
@@ -166,6 +181,7 @@ fn parse(context: &mut Context<'_>, bytes: &[u8]) -> Result<SceneFile, LoadError
     let failed = |field: String, error| context.fail(LoadProblem::Json { field, error });
     let format::Whole(file) = result.map_err(|error| failed(track.path().to_string(), error))?;
     json.end().map_err(|error| failed(String::new(), error))?;
+    older::refuse_early(context, &file, &unknown)?;
     for field in unknown {
         context.warn(format_args!("unknown field {field} is ignored"));
     }

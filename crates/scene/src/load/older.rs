@@ -14,6 +14,7 @@
 use super::{
     collection::{Collection, Reference},
     context::Context,
+    error::LoadError,
     format::{MaterialFile, MaterialType, SceneFile, ShapeFile, TextureFile},
 };
 use std::collections::HashSet;
@@ -21,6 +22,39 @@ use std::collections::HashSet;
 const SHAPES: &[&str] = &["ply", "obj"];
 const TEXTURES: &[&str] = &["hdr", "exr", "png", "jpg"];
 const SEPARATORS: [char; 2] = ['/', '\\'];
+
+/// Refuses scenes that are older than version 4.0: by their number, or, since they have none, by
+/// the fields of shapes that only they have. `unknown` has the fields that no later version knows.
+pub(super) fn refuse_early(
+    context: &Context<'_>,
+    file: &SceneFile,
+    unknown: &[String],
+) -> Result<(), LoadError> {
+    const EXPECTED: &str =
+        "a scene of version 4.0 or later; convert this one with the programs of yocto-gl";
+    let version = file.asset.version.to_string();
+    let number: Option<f64> = version.trim_matches('"').parse().ok();
+    if number.is_some_and(|number| number < 4.0) {
+        return Err(context.unexpected("asset.version", version, EXPECTED));
+    }
+    const EARLY: [&str; 6] = [
+        "shapes[].filename",
+        "shapes[].path",
+        "textures[].filename",
+        "textures[].path",
+        "materials[].diffuse",
+        "materials[].kd",
+    ];
+    let has_source = |shape: &ShapeFile| {
+        shape.uri.is_some() || shape.datafile.is_some() || shape.generator.is_some()
+    };
+    let sourceless = file.shapes.items.iter().any(|(_, shape)| !has_source(shape));
+    let early = EARLY.iter().find(|field| unknown.iter().any(|name| name == *field));
+    match early.filter(|_| number.is_none() && sourceless) {
+        Some(field) => Err(context.unexpected(*field, "given", EXPECTED)),
+        None => Ok(()),
+    }
+}
 
 /// Converts a file to version 4.2, except for references by name.
 pub(super) fn spell_out(context: &Context<'_>, file: &mut SceneFile) {

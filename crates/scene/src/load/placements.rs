@@ -25,7 +25,7 @@ pub(super) fn expand(context: &Context<'_>, file: &mut SceneFile) -> Result<(), 
             Opened::Memory(bytes) => ply::read_frames(&*bytes, bytes.len() as u64),
         };
         let frames = frames.map_err(|problem| of_frames.fail(problem))?;
-        let own = instance.lookat.map_or(instance.frame.0, |lookat| lookat.frame());
+        let own = instance.lookat.map_or(instance.frame.0, |lookat| lookat.frame().as_daffine3());
         let base = key.as_ref().unwrap_or(&instance.name);
         for (k, frame) in frames.into_iter().enumerate() {
             let frame = Frame(frame * own);

@@ -31,7 +31,7 @@ fn references(file: &SceneFile) -> Result<Scene, LoadProblem> {
         let default = Camera::default();
         scene.cameras.push(Camera {
             name: key.clone().unwrap_or_else(|| camera.name.clone()),
-            world_from_camera: camera.lookat.map_or(camera.frame.0, |lookat| lookat.frame()),
+            world_from_camera: camera.lookat.map_or(camera.frame.single(), |l| l.frame()),
             orthographic: camera.orthographic,
             lens: camera.lens,
             film: camera.film,
@@ -50,7 +50,7 @@ fn references(file: &SceneFile) -> Result<Scene, LoadProblem> {
             name: key.clone().unwrap_or_else(|| environment.name.clone()),
             world_from_environment: environment
                 .lookat
-                .map_or(environment.frame.0, |lookat| lookat.frame()),
+                .map_or(environment.frame.single(), |lookat| lookat.frame()),
             emission: environment.emission.into(),
             emission_tex: textures.optional(
                 &|| format!("environments[{i}].emission_tex"),
@@ -83,7 +83,7 @@ fn references(file: &SceneFile) -> Result<Scene, LoadProblem> {
     for (i, (key, instance)) in file.instances.items.iter().enumerate() {
         scene.instances.push(Instance {
             name: key.clone().unwrap_or_else(|| instance.name.clone()),
-            world_from_object: instance.lookat.map_or(instance.frame.0, |l| l.frame()),
+            world_from_object: instance.lookat.map_or(instance.frame.single(), |l| l.frame()),
             shape: shapes.required(&|| format!("instances[{i}].shape"), instance.shape.as_ref())?,
             material: materials
                 .required(&|| format!("instances[{i}].material"), instance.material.as_ref())?,
@@ -128,6 +128,23 @@ pub(super) fn subdivs(file: &SceneFile) -> Result<Vec<SubdivReferences>, LoadPro
         })
     };
     file.subdivs.items.iter().enumerate().map(resolve).collect()
+}
+
+/// Returns for each texture whether it is data anywhere, such as a height, and not a colour.
+pub(super) fn are_data(file: &SceneFile) -> Vec<bool> {
+    let textures = Names::new("textures", &file.textures, |texture| &texture.name);
+    let of_materials = file.materials.items.iter();
+    let references = of_materials
+        .flat_map(|(_, material)| [&material.normal_tex, &material.roughness_tex])
+        .chain(file.subdivs.items.iter().map(|(_, subdiv)| &subdiv.displacement_tex));
+    let mut are_data = vec![false; file.textures.items.len()];
+    for reference in references {
+        // Whoever needs the texture reports a reference to nothing.
+        if let Ok(Some(index)) = textures.optional(&String::new, reference.as_ref()) {
+            are_data[index as usize] = true;
+        }
+    }
+    are_data
 }
 
 /// The names of the items of one array, to resolve references.

@@ -277,7 +277,7 @@ impl Net {
 impl Surface {
     fn displace(&mut self, height: f32, texture: &Texture) {
         let zero = match texture.pixels {
-            Pixels::Bytes(_) | Pixels::TiledBytes(_) => 0.5,
+            Pixels::Bytes(_) | Pixels::Words(_) | Pixels::TiledBytes(_) => 0.5,
             Pixels::Floats(_) | Pixels::SharedExponent(_) => 0.0,
         };
         let mut heights = vec![Mean::default(); self.positions.points.len()];

@@ -9,8 +9,20 @@ pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<
             let scene = AROUND_A_SHAPE.replace("FILE", &name);
             Some((name, bytes.to_vec(), scene.into_bytes()))
         }
+        "points" => {
+            // The first byte selects the format, which decides where the content leaves a choice.
+            let (first, bytes) = bytes.split_first()?;
+            let name = ["points.xyz", "points.txt", "points.pts"][usize::from(first % 3)];
+            let scene = AROUND_A_SHAPE.replace("FILE", name);
+            Some((name.to_owned(), bytes.to_vec(), scene.into_bytes()))
+        }
+        // The materials of the mesh beside it.
+        "mtl" => {
+            let scene = AROUND_A_SHAPE.replace("FILE", MESH.0);
+            Some(("shape.mtl".to_owned(), bytes.to_vec(), scene.into_bytes()))
+        }
         "texture" => {
-            // The first byte selects the format.
+            // The first byte selects the name, which does not matter.
             let (first, bytes) = bytes.split_first()?;
             let name = ["image.png", "image.jpg", "image.hdr", "image.exr"][usize::from(first % 4)];
             let scene = AROUND_A_TEXTURE.replace("FILE", name);
@@ -21,6 +33,22 @@ pub(crate) fn files(target: &str, bytes: &[u8]) -> Option<(String, Vec<u8>, Vec<
             (!asks_for_much(bytes)).then(|| ("shape.ply".to_owned(), shape, bytes.to_vec()))
         }
         _ => None,
+    }
+}
+
+/// A mesh, by name and content, that stands beside the files of every input.
+pub(crate) const MESH: (&str, &str) = (
+    "mesh.obj",
+    "mtllib shape.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n\
+     usemtl b\nf 1/1 3/1 4/1\nl 1 3\n",
+);
+
+/// Returns the file to load by itself after the scene, if the input is the file of a shape.
+pub(crate) fn lone(target: &str, name: &str) -> Option<String> {
+    match target {
+        "mtl" => Some(MESH.0.to_owned()),
+        "scene" | "texture" => None,
+        _ => Some(name.to_owned()),
     }
 }
 

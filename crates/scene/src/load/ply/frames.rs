@@ -2,7 +2,7 @@
 
 use super::{header, input::Input, rows::Rows};
 use crate::load::error::LoadProblem;
-use glam::Affine3A;
+use glam::DAffine3;
 use std::io::BufRead;
 
 /// The properties of a frame: x, y and z axes and the origin.
@@ -13,7 +13,7 @@ const COLUMNS: [&str; 12] =
 pub(in crate::load) fn read_frames<R: BufRead>(
     reader: R,
     length: u64,
-) -> Result<Vec<Affine3A>, LoadProblem> {
+) -> Result<Vec<DAffine3>, LoadProblem> {
     let mut input = Input::new(reader, length);
     let header = header::read(&mut input)?;
     let mut frames = Vec::new();
@@ -26,7 +26,7 @@ pub(in crate::load) fn read_frames<R: BufRead>(
         let complete = (0..COLUMNS.len()).all(|column| columns.contains(&Some(column)));
         if element.name == "instance" && complete {
             found = true;
-            rows.for_each_row::<12>(&columns, |row| frames.push(Affine3A::from_cols_array(row)))?;
+            rows.for_each_row::<12>(&columns, |row| frames.push(DAffine3::from_cols_array(row)))?;
         } else {
             rows.skip()?;
         }

@@ -59,6 +59,11 @@ impl Type {
         !matches!(self, Self::F32 | Self::F64)
     }
 
+    /// Returns whether there are numbers of this type that single precision rounds.
+    pub(super) fn is_finer_than_single(self) -> bool {
+        matches!(self, Self::I32 | Self::U32 | Self::I64 | Self::U64 | Self::F64)
+    }
+
     /// Returns the value that represents 1 in colours of this type.
     pub(super) fn one(self) -> f32 {
         match self {
@@ -108,6 +113,8 @@ impl Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
+    /// The images that comments name, as MeshLab writes them.
+    pub textures: Vec<String>,
 }
 
 /// Longer lines do not occur in headers: the file is not a PLY file.
@@ -118,6 +125,7 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
     let mut line_number = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
+    let mut textures = Vec::new();
     loop {
         line_number += 1;
         let fail = |problem: String| Err(LoadProblem::PlyHeader { line: line_number, problem });
@@ -130,12 +138,17 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
         let line = String::from_utf8_lossy(&bytes);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         if line_number == 1 {
-            if words != ["ply"] {
+            if words != ["ply"] && words != ["\u{feff}ply"] {
                 return Err(LoadProblem::NotPly);
             }
             continue;
         }
         match words[..] {
+            ["comment", keyword, ..] if keyword.eq_ignore_ascii_case("TextureFile") => {
+                // The name may have blanks.
+                let (_, name) = line.split_once(keyword).unwrap_or_default();
+                textures.push(name.trim().to_owned());
+            }
             [] | ["comment" | "obj_info", ..] => {}
             ["format", name, _version] => {
                 encoding = match name {
@@ -165,7 +178,7 @@ pub(super) fn read<R: BufRead>(input: &mut Input<R>) -> Result<Header, LoadProbl
         }
     }
     match encoding {
-        Some(encoding) => Ok(Header { encoding, elements }),
+        Some(encoding) => Ok(Header { encoding, elements, textures }),
         None => Err(LoadProblem::PlyHeader {
             line: line_number,
             problem: "no line states the format".to_owned(),

@@ -7,21 +7,48 @@ pub(super) struct Input<R> {
     /// Bytes left in the file, by the length given.
     pub remaining: u64,
     reader: R,
+    /// How the lines of the header end.
+    line_end: LineEnd,
+}
+
+/// The terminator of lines.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LineEnd {
+    Unknown,
+    /// A line feed, also after a carriage return.
+    Feed,
+    /// A carriage return alone, as on old Macs.
+    Return,
 }
 
 impl<R: BufRead> Input<R> {
     pub(super) fn new(reader: R, length: u64) -> Self {
-        Self { remaining: length, reader }
+        Self { remaining: length, reader, line_end: LineEnd::Unknown }
     }
 
     /// Reads a line without its terminator; `None` if the file ends first or the line is longer
-    /// than `longest`.
+    /// than `longest`. The first line ends with any terminator, all others with its kind: after the
+    /// last, binary data may begin with a byte that looks like a line feed.
     pub(super) fn line(&mut self, longest: usize) -> Result<Option<Vec<u8>>, LoadProblem> {
         let mut line = Vec::new();
+        let is_first = self.line_end == LineEnd::Unknown;
         loop {
             let Some(byte) = self.byte()? else { return Ok(None) };
             match byte {
-                b'\n' => return Ok(Some(line)),
+                b'\r' if is_first => {
+                    if self.at_hand()?.first() == Some(&b'\n') {
+                        self.consume(1);
+                        self.line_end = LineEnd::Feed;
+                    } else {
+                        self.line_end = LineEnd::Return;
+                    }
+                    return Ok(Some(line));
+                }
+                b'\r' if self.line_end == LineEnd::Return => return Ok(Some(line)),
+                b'\n' if self.line_end != LineEnd::Return => {
+                    self.line_end = LineEnd::Feed;
+                    return Ok(Some(line));
+                }
                 _ if line.len() >= longest => return Ok(None),
                 _ => line.push(byte),
             }

@@ -8,16 +8,23 @@
 //! Source: G. Turk, "The PLY polygon file format", 1994, with the property names that yocto-gl
 //! writes.
 
+mod columns;
+mod elements;
 mod frames;
 mod header;
 mod input;
+mod names;
 mod rows;
 mod vertices;
 
 pub(super) use frames::read_frames;
 
-use super::{error::LoadProblem, mesh::Mesh};
-use header::{Element, Encoding};
+use super::{
+    error::LoadProblem,
+    mesh::{Mesh, MeshMaterial},
+};
+use elements::Corners;
+use header::{Element, Encoding, Header};
 use input::Input;
 use rows::Rows;
 use std::io::BufRead;
@@ -29,34 +36,42 @@ pub(crate) fn read<R: BufRead + Send>(reader: R, length: u64) -> Result<Mesh, Lo
     let mut input = Input::new(reader, length);
     let header = header::read(&mut input)?;
     let mut mesh = Mesh::default();
-    let is_vertex = |element: &&Element| element.name == "vertex";
-    let vertices = header.elements.iter().find(is_vertex).map_or(0, |element| element.count);
-    if header.elements.iter().filter(is_vertex).count() > 1 {
+    mesh.materials.extend(header.textures.iter().map(|texture| MeshMaterial {
+        name: texture.clone(),
+        texture: Some(texture.clone()),
+        ..MeshMaterial::default()
+    }));
+    let vertices = vertex_element(&header)?;
+    let count = vertices.map_or(0, |place| header.elements[place].count);
+    let mut corners = Corners::default();
+    for (place, element) in header.elements.iter().enumerate() {
+        check_size(&input, element, header.encoding)?;
+        let rows = &mut Rows::new(&mut input, element, header.encoding, count);
+        if vertices == Some(place) {
+            vertices::read(rows, &mut mesh)?;
+        } else {
+            elements::read(rows, &mut mesh, &mut corners)?;
+        }
+    }
+    corners.become_vertices(&mut mesh)?;
+    Ok(mesh)
+}
+
+/// Returns the index of the element of vertices: by its name, or the first one with a position.
+fn vertex_element(header: &Header) -> Result<Option<usize>, LoadProblem> {
+    let named = |name: &str| header.elements.iter().filter(move |e| e.name == name).count();
+    if named("vertex") > 1 {
         return Err(LoadProblem::PlyHeader {
             line: 1,
             problem: "more than one element is called vertex".to_owned(),
         });
     }
-    for element in &header.elements {
-        check_size(&input, element, header.encoding)?;
-        let rows = &mut Rows::new(&mut input, element, header.encoding, vertices);
-        match element.name.as_str() {
-            "vertex" => vertices::read(rows, &mut mesh)?,
-            "face" => rows.for_each_list(VERTICES, 3, |list| mesh.faces.push_polygon(list))?,
-            "line" => rows.for_each_list(VERTICES, 2, |list| {
-                mesh.lines.extend(list.windows(2).map(|pair| [pair[0], pair[1]]));
-            })?,
-            "point" => {
-                rows.for_each_list(VERTICES, 0, |list| mesh.points.extend_from_slice(list))?;
-            }
-            _ => rows.skip()?,
-        }
-    }
-    Ok(mesh)
+    let has = |element: &Element, name: &str| element.properties.iter().any(|p| p.name == name);
+    let by_name = header.elements.iter().position(|element| element.name == "vertex");
+    let by_position =
+        || header.elements.iter().position(|e| ["x", "y", "z"].iter().all(|name| has(e, name)));
+    Ok(by_name.or_else(by_position))
 }
-
-/// The names of the list of vertices in use.
-const VERTICES: &[&str] = &["vertex_indices", "vertex_index"];
 
 /// Refuses counts that the rest of the file cannot hold, before any allocation.
 fn check_size<R>(

@@ -12,10 +12,42 @@ pub(super) struct Rows<'a, R> {
     pub input: &'a mut Input<R>,
     pub element: &'a Element,
     pub encoding: Encoding,
-    /// The number of vertices by the header, for messages.
-    vertices: u64,
+    /// The number of vertices by the header.
+    pub vertices: u64,
     word: String,
     bytes: Vec<u8>,
+}
+
+/// The properties of an element with a list of vertices that are read, by their indices.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wanted {
+    pub vertices: usize,
+    /// Two numbers for each corner.
+    pub texcoords: Option<usize>,
+    pub numbers: [Option<usize>; NUMBERS],
+    /// Whether -1 ends a strip and is no vertex.
+    pub with_ends_of_strips: bool,
+}
+
+/// The most numbers of a row beside its lists.
+pub(super) const NUMBERS: usize = 5;
+
+/// A row of an element with a list of vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ListRow<'r> {
+    pub vertices: &'r [u32],
+    pub texcoords: &'r [f32],
+    /// As in [`Wanted::numbers`]; zero for those that the element does not have.
+    pub numbers: &'r [f64; NUMBERS],
+}
+
+/// The vertex that stands for -1 in a strip.
+pub(super) const STRIP_END: u32 = u32::MAX;
+
+/// Returns a vertex by its number in a file; `None` for fractions and numbers out of range.
+pub(super) fn vertex_index(value: f64) -> Option<u32> {
+    let fits = value.fract() == 0.0 && (0.0..f64::from(STRIP_END)).contains(&value);
+    fits.then_some(value as u32)
 }
 
 /// The number of rows in a block, which fits into the cache.
@@ -81,7 +113,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
     pub(super) fn for_each_row<const N: usize>(
         &mut self,
         columns: &[Option<usize>],
-        mut each: impl FnMut(&[f32; N]),
+        mut each: impl FnMut(&[f64; N]),
     ) -> Result<(), LoadProblem> {
         let element = self.element;
         if element.properties.is_empty() {
@@ -96,7 +128,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
                 } else {
                     let value = self.number(property, property.item, index)?;
                     if let Some(column) = *column {
-                        row[column] = value as f32;
+                        row[column] = value;
                     }
                 }
             }
@@ -105,46 +137,29 @@ impl<'a, R: BufRead> Rows<'a, R> {
         Ok(())
     }
 
-    /// Calls `each` with the list of vertices of each row, the first property with one of `names`.
-    /// Refuses lists of fewer than `least` items.
+    /// Calls `each` with the wanted properties of each row.
     pub(super) fn for_each_list(
         &mut self,
-        names: &[&str],
-        least: usize,
-        mut each: impl FnMut(&[u32]),
+        wanted: &Wanted,
+        mut each: impl FnMut(ListRow<'_>),
     ) -> Result<(), LoadProblem> {
         let element = self.element;
-        let found = element.properties.iter().position(|property| {
-            property.count.is_some() && names.contains(&property.name.as_str())
-        });
-        let Some(found) = found else { return self.skip() };
         let vertices = self.vertices;
-        let mut each = |index: u64, list: &[u32]| {
-            if list.len() >= least {
-                each(list);
-                return Ok(());
-            }
-            Err(LoadProblem::ElementValue {
-                element: element.name.clone(),
-                index,
-                property: element.properties[found].name.clone(),
-                value: format!("a list of {} vertices", list.len()),
-                expected: if least == 2 { "two or more" } else { "three or more" },
-            })
-        };
-        let vertex = |index: u64, value: f64| {
-            // Refuse fractions. The casts saturate, so no value wraps around.
-            if value.fract() == 0.0 && (0.0..4_294_967_295.0).contains(&value) {
-                return Ok(value as u32);
-            }
-            Err(LoadProblem::VertexOutOfRange {
+        // Vertices that are looked up at once must exist; others are checked in the end.
+        let limit = if wanted.texcoords.is_some() { vertices as f64 } else { f64::INFINITY };
+        let vertex = |index: u64, value: f64| match vertex_index(value) {
+            Some(vertex) if value < limit => Ok(vertex),
+            None if wanted.with_ends_of_strips && value == -1.0 => Ok(STRIP_END),
+            _ => Err(LoadProblem::VertexOutOfRange {
                 element: element.name.clone(),
                 index,
                 vertex: value as i64,
                 count: vertices as usize,
-            })
+            }),
         };
         let mut list = Vec::new();
+        let mut texcoords = Vec::new();
+        let mut numbers = [0.0; NUMBERS];
         let mut index = 0;
         while index < element.count {
             // Lists that are buffered as a whole need no check of each number.
@@ -159,7 +174,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
                     for item in items.chunks_exact(property.item.size()) {
                         list.push(vertex(index, decode(property.item, self.encoding, item))?);
                     }
-                    each(index, &list)?;
+                    each(ListRow { vertices: &list, texcoords: &[], numbers: &numbers });
                     at_hand = rest;
                     index += 1;
                 }
@@ -170,19 +185,28 @@ impl<'a, R: BufRead> Rows<'a, R> {
                 }
             }
             for (i, property) in element.properties.iter().enumerate() {
-                if i == found {
+                if i == wanted.vertices {
                     list.clear();
                     self.list(property, index, |value| {
                         list.push(vertex(index, value)?);
                         Ok(())
                     })?;
-                    each(index, &list)?;
+                } else if wanted.texcoords == Some(i) {
+                    texcoords.clear();
+                    self.list(property, index, |value| {
+                        texcoords.push(value as f32);
+                        Ok(())
+                    })?;
                 } else if property.count.is_some() {
                     self.list(property, index, |_| Ok(()))?;
                 } else {
-                    self.number(property, property.item, index)?;
+                    let value = self.number(property, property.item, index)?;
+                    if let Some(at) = wanted.numbers.iter().position(|number| *number == Some(i)) {
+                        numbers[at] = value;
+                    }
                 }
             }
+            each(ListRow { vertices: &list, texcoords: &texcoords, numbers: &numbers });
             index += 1;
         }
         Ok(())
@@ -240,7 +264,17 @@ impl<'a, R: BufRead> Rows<'a, R> {
         if !self.input.word(&mut self.word)? {
             return Err(self.truncated(index));
         }
-        self.word.parse().map_err(|_| LoadProblem::ElementValue {
+        if let Ok(value) = self.word.parse() {
+            return Ok(value);
+        }
+        // As Microsoft's library prints what is not a number.
+        if ["#ind", "#inf", "#qnan", "#snan", "nan("]
+            .iter()
+            .any(|mark| self.word.to_ascii_lowercase().contains(mark))
+        {
+            return Ok(f64::NAN);
+        }
+        Err(LoadProblem::ElementValue {
             element: self.element.name.clone(),
             index,
             property: property.name.clone(),
@@ -295,6 +329,28 @@ pub(super) fn decode_column(
                         .map(|row| <$type>::from_le_bytes(array(&row[offset..])) as f32),
                 ),
             }
+        };
+    }
+    for_type!(item, each);
+}
+
+/// Appends to `column` what the numbers lose if they become single, as [`decode_column`] does.
+#[expect(clippy::cast_lossless, reason = "of all types, most lose nothing")]
+pub(super) fn decode_rests(
+    encoding: Encoding,
+    block: &[u8],
+    (size, offset, item): (usize, usize, Type),
+    column: &mut Vec<f32>,
+) {
+    macro_rules! each {
+        ($type:ty) => {
+            column.extend(block.chunks_exact(size).map(|row| {
+                let value = match encoding {
+                    Encoding::BigEndian => <$type>::from_be_bytes(array(&row[offset..])),
+                    _ => <$type>::from_le_bytes(array(&row[offset..])),
+                };
+                (value as f64 - (value as f32) as f64) as f32
+            }))
         };
     }
     for_type!(item, each);

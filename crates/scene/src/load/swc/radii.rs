@@ -4,7 +4,8 @@ use super::{
     rows::Structure,
     tree::{Node, Tree},
 };
-use crate::load::mesh::DEFAULT_RADIUS;
+use crate::load::radius::default_radius_of_lines;
+use glam::Vec3;
 
 /// Replaces radii of zero. A node takes the radius of its parent if both have the same type, and
 /// else the typical one. Returns the text of a warning if there were any.
@@ -30,19 +31,15 @@ pub(super) fn fill(tree: &mut Tree) -> Option<String> {
     ))
 }
 
-/// Returns the median radius of branches that were measured; without any, half the median length
-/// of segments, and without those the default of all files.
+/// Returns the median radius of branches that were measured, and the default radius of lines
+/// without any.
 fn typical(nodes: &[Node]) -> f32 {
     let branches = nodes.iter().filter(|node| node.structure != Structure::Soma);
-    let radii = branches.map(|node| node.radius).filter(|&radius| radius > 0.0).collect();
-    let length = |node: &Node| {
-        let parent = &nodes[node.parent? as usize];
-        Some(0.5 * node.position.distance(parent.position)).filter(|&length| length > 0.0)
-    };
-    let is_length = |length: &f32| length.is_finite();
-    median(radii)
-        .or_else(|| median(nodes.iter().filter_map(length).filter(is_length).collect()))
-        .unwrap_or(DEFAULT_RADIUS)
+    median(branches.map(|node| node.radius).filter(|&radius| radius > 0.0).collect())
+        .unwrap_or_else(|| {
+            let positions: Vec<Vec3> = nodes.iter().map(|node| node.position).collect();
+            default_radius_of_lines(&positions)
+        })
 }
 
 fn median(mut values: Vec<f32>) -> Option<f32> {

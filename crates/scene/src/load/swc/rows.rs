@@ -33,7 +33,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Row>, LoadProblem> {
     let text = String::from_utf8_lossy(file::text(bytes)?);
     let mut rows = Vec::new();
     let mut words = Vec::new();
-    for (line, content) in (1..).zip(text.lines()) {
+    for (line, content) in (1..).zip(file::lines(&text)) {
         let said = content.split('#').next().unwrap_or_default().trim();
         if said.is_empty() {
             continue;

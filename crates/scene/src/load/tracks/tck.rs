@@ -65,7 +65,8 @@ struct Header<'a> {
 fn header(bytes: &[u8]) -> Result<Header<'_>, String> {
     let mut rest = bytes;
     let mut line = || {
-        let end = rest.iter().position(|&byte| byte == b'\n')?;
+        // Between a carriage return and a line feed there is an empty line, which is skipped.
+        let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'))?;
         let (line, after) = (&rest[..end], &rest[end + 1..]);
         rest = after;
         Some((String::from_utf8_lossy(line).trim().to_owned(), bytes.len() - after.len()))
