@@ -72,6 +72,7 @@ fn colours_are_srgb_of_bytes_words_or_shares() {
         ("a.txt", "1.5 2.5 3.5 1.0 0.5019608 0.0\n-4 0.25 60 1 0.5019608 0\n"),
         ("a.txt", "1.5 2.5 3.5 65535 32896 0\n-4 0.25 60 65535 32896 0\n"),
         ("a.pts", "2\n1.5 2.5 3.5 -1200 255 128 0\n-4 0.25 60 12 255 128 0\n"),
+        ("a.xyz", "nan nan nan 0 0 0\n1.5 2.5 3.5 255 128 0\n-4 0.25 60 255 128 0\n"),
         ("a.csv", "x,y,z,red,green,blue\n1.5,2.5,3.5,255,128,0\n-4,0.25,60,255,128,0\n"),
         ("a.csv", "r,g,b,x,y,z\n255,128,0,1.5,2.5,3.5\n255,128,0,-4,0.25,60\n"),
         ("a.asc", "//X Y Z Rf Gf Bf\n1.5 2.5 3.5 1 0.501961 0\n-4 0.25 60 1 0.501961 0\n"),
@@ -123,6 +124,8 @@ fn what_is_left_out_is_named() {
         ("points that are not numbers", "a.xyz", "1 2 3\nnan nan nan\n4 5 6\n", &["1 of 3"]),
         ("a count that is wrong", "a.pts", "3\n1 2 3\n4 5 6\n", &["has 2", "announces 3"]),
         ("names", "a.csv", "x,y,z,time,class\n1,2,3,4,5\n", &["time, class"]),
+        ("columns behind the names", "a.txt", "x y z\n1 2 3 4\n4 5 6 7\n", &["column 4"]),
+        ("numbers of points", "a.txt", "1 .5 2.5 3.5\n2 .5 2.5 4.5\n3 .5 2.5 5.5\n", &["column 1"]),
         ("columns", "a.txt", "1 2 3 4 1e9\n4 5 6 7 2e9\n", &["column 4, column 5"]),
         (
             "intensity beside colours",
@@ -137,7 +140,11 @@ fn what_is_left_out_is_named() {
             assert!(said.contains(word), "{why}: {said}");
         }
         let count = loaded.scene.shapes[1].positions.len();
-        let expected = if text.starts_with("x,y,z") { 1 } else { 2 };
+        let expected = match why {
+            "names" | "intensity beside colours" => 1,
+            "numbers of points" => 3,
+            _ => 2,
+        };
         assert_eq!(count, expected, "{why}");
     }
 }

@@ -119,6 +119,11 @@ fn role(name: &str) -> Option<Role> {
 /// rows show of the others. `is_pts` says that an intensity comes before a colour.
 pub(super) fn by_values(rows: &[Vec<f64>], start: usize, is_pts: bool) -> Columns {
     let count = rows.iter().map(Vec::len).min().unwrap_or(0);
+    if start == 0 && are_numbered(rows) {
+        let mut columns = by_values(rows, 1, is_pts);
+        columns.unused.insert(0, "column 1, which counts the rows".to_owned());
+        return columns;
+    }
     let mut roles = vec![None; count.max(start + 3)];
     let three =
         |at: usize, row: &[f64]| [row[start + 3 + at], row[start + 4 + at], row[start + 5 + at]];
@@ -178,6 +183,16 @@ pub(super) fn by_values(rows: &[Vec<f64>], start: usize, is_pts: bool) -> Column
     let unused = roles.iter().enumerate().skip(start).filter(|(_, role)| role.is_none());
     let unused = unused.map(|(i, _)| format!("column {}", i + 1)).collect();
     Columns { roles, unused }
+}
+
+/// Returns true if the first of four or more columns counts the rows and others do not.
+fn are_numbered(rows: &[Vec<f64>]) -> bool {
+    let counts = |pair: &[Vec<f64>]| pair[1][0] == pair[0][0] + 1.0;
+    let starts = |row: &Vec<f64>| row.len() > 3 && matches!(row[0], 0.0 | 1.0);
+    rows.len() > 2
+        && starts(&rows[0])
+        && rows.windows(2).all(counts)
+        && rows.iter().any(|row| row[1..4].iter().all(|x| x.fract() != 0.0))
 }
 
 #[cfg(test)]

@@ -57,7 +57,8 @@ pub(super) fn layout(text: &str, is_xyz: bool) -> Option<Layout> {
 fn is_atom(row: &str, by_number: bool) -> bool {
     let mut words = row.split_whitespace();
     let is_species = |word: &str| {
-        let is_number = word.starts_with(|c: char| c.is_ascii_digit());
+        // `nan` is a number too.
+        let is_number = number(word).is_some();
         is_number == by_number && word.starts_with(|c: char| c.is_ascii_alphanumeric())
     };
     let has_position = |words: &mut dyn Iterator<Item = &str>| {
@@ -230,6 +231,7 @@ mod tests {
             ("2\n1 2 3 9\n4 5 6 9\n", true, false),
             ("2\n1 2 3 9\n4 5 6 9\n", false, false),
             ("x y z\n4 5 6\n", true, false),
+            ("nan nan nan 1 2 3\n", true, false),
             ("", true, false),
         ] {
             assert_eq!(layout(text, is_xyz).is_some(), expected, "{text:?}");

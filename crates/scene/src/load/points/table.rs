@@ -71,15 +71,16 @@ fn layout(text: &str, is_pts: bool) -> Result<Layout, LoadProblem> {
     let mut names = None;
     let mut first_text: Option<(usize, &str)> = None;
     let mut found: Option<(Separator, usize)> = None;
-    let mut rows: Vec<Vec<f64>> = Vec::new();
+    // Values of a few rows, and how many the first has.
+    let (mut rows, mut width): (Vec<Vec<f64>>, usize) = (Vec::new(), 0);
+    let value = |number: &Option<f64>| number.unwrap_or(f64::NAN);
     for (line, row) in (1..).zip(lines(text)) {
         if let Some((separator, _)) = found {
             if rows.len() == SAMPLE {
                 break;
             }
             if !is_comment(row) {
-                let numbers = separator.numbers(row);
-                rows.push(numbers.iter().map(|number| number.unwrap_or(f64::NAN)).collect());
+                rows.push(separator.numbers(row).iter().map(value).collect());
             }
             continue;
         }
@@ -93,7 +94,8 @@ fn layout(text: &str, is_pts: bool) -> Result<Layout, LoadProblem> {
             found = unnamed(row);
             if let Some((separator, _)) = found {
                 let numbers = separator.numbers(row);
-                rows.push(numbers.iter().map(|number| number.unwrap_or(f64::NAN)).collect());
+                width = numbers.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
+                rows.push(numbers.iter().map(value).collect());
                 continue;
             }
             first_text = first_text.or(Some((line, row)));
@@ -111,7 +113,6 @@ fn layout(text: &str, is_pts: bool) -> Result<Layout, LoadProblem> {
         return Err(LoadProblem::PointsLine { line, problem });
     };
     // Rows that are cut say nothing about the columns.
-    let width = rows[0].iter().rposition(|x| x.is_finite()).map_or(0, |last| last + 1);
     rows.retain(|row| row.len() >= width);
     rows.iter_mut().for_each(|row| row.truncate(width));
     Ok(Layout { separator, columns: columns::by_values(&rows, start, is_pts) })
@@ -125,7 +126,9 @@ fn named(names: &str, row: &str) -> Option<Layout> {
         // A comma in the names may be a blank in the rows.
         [separator, Separator::Any].into_iter().find_map(|of_names| {
             let names: Vec<&str> = of_names.split(names).collect();
-            let columns = columns::by_name(&names)?;
+            let mut columns = columns::by_name(&names)?;
+            let behind = (names.len()..of_row.len()).filter(|&column| of_row[column].is_some());
+            columns.unused.extend(behind.map(|column| format!("column {}", column + 1)));
             let is_number = |role| {
                 let column = columns.roles.iter().position(|r| *r == Some(role));
                 column.is_some_and(|column| matches!(of_row.get(column), Some(Some(_))))
