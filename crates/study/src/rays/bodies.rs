@@ -167,7 +167,7 @@ struct Times {
 }
 
 impl Times {
-    fn of<'q>(tree: &impl Body, queries: &mut dyn Iterator<Item = &'q Query>) -> Self {
+    fn of(tree: &impl Body, queries: &mut dyn Iterator<Item = &Query>) -> Self {
         let queries: Vec<&Query> = queries.collect();
         let boundary = |query: &&Query| {
             black_box(tree.boundary(&query.ray, query.start));
