@@ -5,9 +5,10 @@ mod encode;
 mod error;
 mod file;
 mod format;
+mod replace;
 
 pub use decode::{Decoded, Samples, decode};
 pub use encode::{EXR_ENCODING, encode};
 pub use error::{DecodeError, EncodeError, ReadError, WriteError};
-pub use file::write_with;
 pub use format::Format;
+pub use replace::{sweep, write_with};

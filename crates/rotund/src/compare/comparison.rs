@@ -1,6 +1,6 @@
 //! One scene by both methods.
 
-use crate::cancel::Cancelled;
+use crate::exit::Cancelled;
 use crate::kinds::{Kind, enhance};
 use crate::output::write_text;
 use crate::scene_source::NamedScene;
