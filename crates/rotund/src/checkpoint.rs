@@ -124,11 +124,12 @@ impl Checkpoint {
         &self.path
     }
 
-    /// Saves the film if the last time is long enough ago. A failure is only a warning: a disk that
-    /// is full now may have room at the end.
-    pub(crate) fn update(&mut self, film: &Film) {
+    /// Saves the film if the last time is long enough ago, unless the render `ends` now: then the
+    /// picture comes first. A failure is only a warning: a disk that is full now may have room at
+    /// the end.
+    pub(crate) fn update(&mut self, film: &Film, ends: bool) {
         self.is_behind = true;
-        if self.saved.elapsed() >= self.every {
+        if !ends && self.saved.elapsed() >= self.every {
             if let Err(error) = self.save(film) {
                 warn(format!("{}: it will be tried again", one_line(&error)));
             }

@@ -154,13 +154,12 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
 pub fn report(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else { return ExitCode::SUCCESS };
     if let Some(error) = error.downcast_ref::<clap::Error>() {
-        let plain = error.render().to_string();
-        let printable = printable(&plain);
-        if printable == plain {
-            // If standard error is closed, nobody can be told.
-            let _ = error.print();
+        if error.use_stderr() {
+            // Without colours: the message quotes arguments, which may hold escapes of their own.
+            eprint!("{}", printable(&error.render().to_string()));
         } else {
-            eprint!("{printable}");
+            // If standard output is closed, nobody can be told.
+            let _ = error.print();
         }
         return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
     }

@@ -113,9 +113,9 @@ pub(crate) fn run(args: Args) -> Result<()> {
     memory::check_scene(&scene.scene)?;
     let (shot, layers) = args.picture.shot.with_threads(|| {
         let world = World::new(&scene.scene)?;
-        let mut keep = |film: &Film| {
+        let mut keep = |film: &Film, ends: bool| {
             if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.update(film);
+                checkpoint.update(film, ends);
             }
         };
         let shot = take_on(film, &world, camera, &options, label, &mut keep)?;

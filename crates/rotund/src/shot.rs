@@ -187,19 +187,20 @@ fn take_from(
     let start = Instant::now();
     let world = World::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
-    let shot = take_on(film, &world, camera, options, label, &mut |_| {})?;
+    let shot = take_on(film, &world, camera, options, label, &mut |_, _| {})?;
     Ok(Shot { build_seconds, ..shot })
 }
 
 /// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report`
-/// gets the film several times a second. A signal ends the render early.
+/// gets the film several times a second, and whether a
+/// signal ends the render early.
 pub(crate) fn take_on(
     mut film: Film,
     world: &World<'_>,
     camera: usize,
     options: &Options,
     label: &str,
-    each_report: &mut dyn FnMut(&Film),
+    each_report: &mut dyn FnMut(&Film, bool),
 ) -> Result<Shot> {
     let cancel = Cancel::listen();
     let wanted = options.shard.share_of(options.samples);
@@ -208,12 +209,10 @@ pub(crate) fn take_on(
     let start = Instant::now();
     world.resume(&mut film, camera, options, &mut |progress| {
         (rays, samples) = (progress.rays, progress.samples);
-        if cancel.requested() {
-            return ControlFlow::Break(());
-        }
         meter.update(progress);
-        each_report(progress.film);
-        ControlFlow::Continue(())
+        let ends = cancel.requested();
+        each_report(progress.film, ends);
+        if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     let render_seconds = start.elapsed().as_secs_f64();
     let interrupted = film.samples() < wanted;

@@ -15,17 +15,19 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// Shards of the picture.
 const SHARDS: u32 = 3;
 
-/// Kills a render so often, each time at a random moment of its life, and lets the last one finish.
-pub(super) fn kill(farm: &Farm, kills: u32) -> Result<()> {
+/// Kills a render so often, each time at a random moment of the time that an undisturbed one takes,
+/// and lets the last one finish.
+pub(super) fn kill(farm: &Farm, kills: u32, undisturbed: Duration) -> Result<()> {
     let mut render = farm.render();
     render.args(["--checkpoint", "killed.film", "--checkpoint-every", "0", "--resume"]);
     render.args(["--out", "killed.exr"]).stdout(Stdio::null()).stderr(Stdio::null());
     let film = farm.path("killed.film");
     let random = RandomState::new();
-    let (mut killed, mut finished, mut resumed, mut last) = (0, 0, 0, 0);
+    let longest = undisturbed.as_millis().max(1) as u64;
+    let (mut killed, mut finished, mut grown, mut last) = (0, 0, 0, 0);
     while killed < kills {
         let mut child = render.spawn()?;
-        sleep(Duration::from_millis(20 + random.hash_one((killed, finished)) % 600));
+        sleep(Duration::from_millis(random.hash_one((killed, finished)) % longest));
         child.kill()?;
         if child.wait()?.success() {
             // Too late: it starts from nothing.
@@ -36,14 +38,17 @@ pub(super) fn kill(farm: &Farm, kills: u32) -> Result<()> {
         }
         killed += 1;
         if film.exists() {
-            let samples = load_film(&film)?.samples();
+            // No kill leaves a film that cannot be read, or that has lost samples.
+            let samples = load_film(&film)?.most_samples();
             ensure!(samples >= last, "{samples} samples after {last}");
-            resumed += u32::from(samples > 0);
+            grown += u32::from(samples > last);
             last = samples;
         }
     }
     farm.succeed(&mut render)?;
-    say(format!("killed {killed} times, {resumed} times with samples; finished {finished} times"))?;
+    say(format!(
+        "killed {killed} times, {grown} times with new samples; {finished} came too late"
+    ))?;
     farm.compare("killed.exr", "killed at random moments and resumed")
 }
 

@@ -17,6 +17,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::time::Instant;
 
 mod local;
 mod page;
@@ -50,8 +51,9 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> Result<()> {
     let farm = Farm::new(&args)?;
+    let start = Instant::now();
     farm.succeed(farm.render().args(["--out", "plain.exr"]))?;
-    local::kill(&farm, args.kills)?;
+    local::kill(&farm, args.kills, start.elapsed())?;
     local::shards(&farm)?;
     local::parallel(&farm)?;
     slurm::array(&farm)

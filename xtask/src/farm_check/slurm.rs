@@ -40,8 +40,9 @@ pub(super) fn array(farm: &Farm) -> Result<()> {
                 say(format!("{:4} s  {id} {state}", start.elapsed().as_secs()))?;
             }
         }
-        if requeued.is_none() {
-            requeued = requeue(farm, &job, &states)?;
+        match requeued {
+            None => requeued = requeue(farm, &job, &states)?,
+            Some(task) => start_now(farm, &format!("{job}_{task}"), &states),
         }
         if states.is_empty() {
             break;
@@ -91,13 +92,14 @@ fn requeue(farm: &Farm, job: &str, states: &BTreeMap<String, String>) -> Result<
     let id = format!("{job}_{task}");
     farm.succeed(farm.command("scontrol").args(["requeue", &id]))?;
     say(format!("        {id} is requeued"))?;
-    // Slurm waits two minutes before it starts a requeued task, which are skipped here.
-    let mut update = farm.command("scontrol");
-    let update = update.args(["update", &format!("JobId={id}"), "StartTime=now"]);
-    let start = Instant::now();
-    while farm.succeed(update).is_err() {
-        ensure!(start.elapsed() < PATIENCE, "{id} cannot be started again");
-        sleep(Duration::from_millis(500));
-    }
     Ok(Some(task))
+}
+
+/// Starts a requeued task, for which Slurm would wait two minutes.
+fn start_now(farm: &Farm, id: &str, states: &BTreeMap<String, String>) {
+    if states.get(id).is_some_and(|state| state == "PENDING BeginTime") {
+        let mut update = farm.command("scontrol");
+        // If it is refused, the task starts later.
+        let _ = farm.succeed(update.args(["update", &format!("JobId={id}"), "StartTime=now"]));
+    }
 }
