@@ -1,5 +1,6 @@
 //! Films on disk: checkpoints of a render that can be interrupted, and shards of one picture.
 
+use crate::cancel::Cancel;
 use crate::message::{note, one_line, warn};
 use anyhow::{Context as _, Result, bail};
 use rotund_trace::{Film, FilmHeader, Options, Origin, Shard, output};
@@ -124,14 +125,15 @@ impl Checkpoint {
         &self.path
     }
 
-    /// Saves the film if the last time is long enough ago, unless the render `ends` now: then the
-    /// picture comes first. A failure is only a warning: a disk that is full now may have room at
-    /// the end.
-    pub(crate) fn update(&mut self, film: &Film, ends: bool) {
+    /// Saves the film if the last time is long enough ago, unless a signal ends the render: then
+    /// the picture goes first. A failure is only a warning: a disk that is full now may
+    /// have room at the end.
+    pub(crate) fn update(&mut self, film: &Film, cancel: Cancel) {
         self.is_behind = true;
-        if !ends && self.saved.elapsed() >= self.every {
-            if let Err(error) = self.save(film) {
-                warn(format!("{}: it will be tried again", one_line(&error)));
+        if self.saved.elapsed() >= self.every {
+            match output::save_film_unless(&self.path, film, || cancel.requested()) {
+                Ok(saved) => self.is_behind = !saved,
+                Err(error) => warn(format!("{}: it will be tried again", one_line(&error.into()))),
             }
             self.saved = Instant::now();
         }

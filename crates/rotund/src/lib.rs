@@ -169,9 +169,9 @@ pub fn report(result: anyhow::Result<()>) -> ExitCode {
     let code = exit::code(&error);
     let text = message::one_line(&error);
     if code == exit::NO_CHECKPOINT {
-        message::warn(text)
+        message::warn(text);
     } else {
-        eprintln!("error: {text}")
+        eprintln!("error: {text}");
     }
     ExitCode::from(code)
 }

@@ -5,6 +5,7 @@
 //! of merit that does not depend on the number of samples. The measurement includes the noise of
 //! the reference, which therefore should have many more samples.
 
+use crate::cancel::Cancel;
 use crate::exit::Cancelled;
 use crate::kinds::enhance;
 use crate::output::{check_distinct, check_file, write_text};
@@ -80,7 +81,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         // The sizes agree; a film without a finite pixel has no error that could be drawn.
         let noise =
             |film: &Film| trimmed_relative_error(&film.image(), &reference).unwrap_or(f64::NAN);
-        let mut read = |film: &Film, _: bool| {
+        let mut read = |film: &Film, _: Cancel| {
             let now = start.elapsed();
             // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number
             // of samples of a film rises at the end of a pass, when all pixels have as many.

@@ -1,5 +1,6 @@
 //! `render <scene> --out FILE`: one picture of a scene.
 
+use crate::cancel::Cancel;
 use crate::checkpoint::{Checkpoint, CheckpointArgs};
 use crate::choice;
 use crate::exit::{Cancelled, NoCheckpoint};
@@ -113,9 +114,9 @@ pub(crate) fn run(args: Args) -> Result<()> {
     memory::check_scene(&scene.scene)?;
     let (shot, layers) = args.picture.shot.with_threads(|| {
         let world = World::new(&scene.scene)?;
-        let mut keep = |film: &Film, ends: bool| {
+        let mut keep = |film: &Film, cancel: Cancel| {
             if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.update(film, ends);
+                checkpoint.update(film, cancel);
             }
         };
         let shot = take_on(film, &world, camera, &options, label, &mut keep)?;

@@ -192,15 +192,15 @@ fn take_from(
 }
 
 /// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report`
-/// gets the film several times a second, and whether a
-/// signal ends the render early.
+/// gets the film several times a second. A signal ends
+/// the render early.
 pub(crate) fn take_on(
     mut film: Film,
     world: &World<'_>,
     camera: usize,
     options: &Options,
     label: &str,
-    each_report: &mut dyn FnMut(&Film, bool),
+    each_report: &mut dyn FnMut(&Film, Cancel),
 ) -> Result<Shot> {
     let cancel = Cancel::listen();
     let wanted = options.shard.share_of(options.samples);
@@ -210,9 +210,8 @@ pub(crate) fn take_on(
     world.resume(&mut film, camera, options, &mut |progress| {
         (rays, samples) = (progress.rays, progress.samples);
         meter.update(progress);
-        let ends = cancel.requested();
-        each_report(progress.film, ends);
-        if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        each_report(progress.film, cancel);
+        if cancel.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     let render_seconds = start.elapsed().as_secs_f64();
     let interrupted = film.samples() < wanted;

@@ -34,6 +34,8 @@ const START: usize = MAGIC.len() + 4;
 const PIXEL_BYTES: usize = 3 * 16 + 2 * 4;
 /// Pixels that pass through the buffer at once.
 const BUFFERED: usize = 1 << 12;
+/// Parts of so many pixels that go to the disk together, 28 MiB.
+const SYNCED: usize = 1 << 7;
 
 /// A reason why a checkpoint is refused.
 #[derive(Debug, thiserror::Error)]
@@ -58,7 +60,37 @@ pub enum CheckpointError {
 ///
 /// If the file cannot be written.
 pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), WriteError> {
-    write_with(path, |file| write(file, film))
+    write_with(path, |file| write(file, film, &mut |_| Ok(())))
+}
+
+/// Writes a film as [`save_film`] does, unless `stop` returns true before it is written. It is asked
+/// several times a second, unless the disk is very slow. Returns whether the file was written.
+///
+/// # Errors
+///
+/// If the file cannot be written.
+pub fn save_film_unless(
+    path: impl AsRef<Path>,
+    film: &Film,
+    mut stop: impl FnMut() -> bool,
+) -> Result<bool, WriteError> {
+    let (mut stopped, mut parts) = (false, 0);
+    let saved = write_with(path, |file| {
+        write(file, film, &mut |file| {
+            stopped = stop();
+            if stopped {
+                return Err(io::Error::from(io::ErrorKind::Interrupted));
+            }
+            parts += 1;
+            if parts % SYNCED == 0 {
+                // Otherwise all parts would go to the disk at the end, when none can be stopped.
+                file.flush()?;
+                file.get_ref().sync_data()?;
+            }
+            Ok(())
+        })
+    });
+    if stopped { Ok(false) } else { saved.map(|()| true) }
 }
 
 /// Reads a film that [`save_film`] wrote.
@@ -113,7 +145,12 @@ fn open<T>(
     })
 }
 
-fn write(file: &mut impl Write, film: &Film) -> io::Result<()> {
+/// Writes a film; `each` is called after each part of it.
+fn write<W: Write>(
+    file: &mut W,
+    film: &Film,
+    each: &mut dyn FnMut(&mut W) -> io::Result<()>,
+) -> io::Result<()> {
     let mut hash = Hash::default();
     let start = start(film);
     hash.add(&start);
@@ -131,6 +168,7 @@ fn write(file: &mut impl Write, film: &Film) -> io::Result<()> {
         hash.add(&buffer);
         file.write_all(&buffer)?;
         buffer.clear();
+        each(file)?;
     }
     file.write_all(&hash.0.to_le_bytes())
 }
@@ -206,7 +244,7 @@ impl Reader {
             None => return Err(Problem::NotACheckpoint),
         };
         let end = START as u64 + u64::from(length);
-        if end > self.length || end % 8 != 0 {
+        if end > self.length || !end.is_multiple_of(8) {
             return Err(Problem::Damaged);
         }
         start.resize(end as usize, 0);
@@ -311,7 +349,7 @@ mod tests {
         let mut film = Film::for_options(&options).expect("a film").with_origin(origin);
         film.accumulate(9, |x, y, _| FilmSample::from(glam::Vec3::splat((x + y) as f32)));
         let mut bytes = Vec::new();
-        write(&mut bytes, &film).expect("memory takes all");
+        write(&mut bytes, &film, &mut |_| Ok(())).expect("memory takes all");
         (film, bytes)
     }
 
@@ -326,7 +364,7 @@ mod tests {
     fn forged(mut bytes: Vec<u8>) -> Vec<u8> {
         let header = u32::from_le_bytes(bytes[16..20].try_into().expect("four bytes")) as usize;
         for end in [START + header, bytes.len() - 8] {
-            if end + 8 <= bytes.len() && end % 8 == 0 {
+            if end + 8 <= bytes.len() && end.is_multiple_of(8) {
                 let mut hash = Hash::default();
                 hash.add(&bytes[..end]);
                 bytes[end..end + 8].copy_from_slice(&hash.0.to_le_bytes());
@@ -342,6 +380,19 @@ mod tests {
         let file = tempfile::NamedTempFile::new().expect("a file");
         save_film(file.path(), &film).expect("it is saved");
         assert_eq!(load_film_header(file.path()).expect("a header"), film.header);
+    }
+
+    #[test]
+    fn a_film_that_is_stopped_leaves_the_file_as_it_was() {
+        let (film, _) = film();
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.film");
+        std::fs::write(&path, "old").expect("a file");
+        assert!(!save_film_unless(&path, &film, || true).expect("no failure"));
+        assert_eq!(std::fs::read(&path).expect("a file"), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
+        assert!(save_film_unless(&path, &film, || false).expect("it is saved"));
+        assert_eq!(load_film(&path).expect("a film"), film);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 mod checkpoint;
 mod layers;
 
-pub use checkpoint::{CheckpointError, load_film, load_film_header, save_film};
+pub use checkpoint::{CheckpointError, load_film, load_film_header, save_film, save_film_unless};
 pub use layers::write_layers;
 pub use rotund_image::{WriteError, sweep, write_with};
 
