@@ -50,6 +50,8 @@ pub(crate) struct Checkpoint {
     saved: Instant,
     /// True if the file lacks samples of the film.
     is_behind: bool,
+    /// True if the last try to write it failed, which is said once.
+    has_failed: bool,
 }
 
 impl CheckpointArgs {
@@ -90,6 +92,7 @@ impl CheckpointArgs {
             every,
             saved: Instant::now(),
             is_behind: true,
+            has_failed: false,
         });
         let Some(path) = path.filter(|path| path.exists()) else {
             return Ok((Film::for_options(options)?.with_origin(origin), checkpoint));
@@ -132,8 +135,13 @@ impl Checkpoint {
         self.is_behind = true;
         if self.saved.elapsed() >= self.every {
             match output::save_film_unless(&self.path, film, || cancel.requested()) {
-                Ok(saved) => self.is_behind = !saved,
-                Err(error) => warn(format!("{}: it will be tried again", one_line(&error.into()))),
+                Ok(saved) => (self.is_behind, self.has_failed) = (!saved, false),
+                Err(error) => {
+                    if !self.has_failed {
+                        warn(format!("{}: it will be tried again", one_line(&error.into())));
+                    }
+                    self.has_failed = true;
+                }
             }
             self.saved = Instant::now();
         }

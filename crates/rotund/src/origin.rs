@@ -12,8 +12,15 @@ const PROGRAM: &str = concat!("rotund ", env!("CARGO_PKG_VERSION"));
 pub(crate) fn origin(scene: &NamedScene, camera: usize, options: &Options) -> Origin {
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);
     hash.scene(&scene.scene);
-    // All options but those that only add samples: these have fields in the header of a film.
-    let decisive = Options { samples: 0, shard: Shard::default(), ..options.clone() };
+    // All options but those that have fields in the header of a film.
+    let decisive = Options {
+        width: 0,
+        height: 0,
+        seed: 0,
+        samples: 0,
+        shard: Shard::default(),
+        ..options.clone()
+    };
     hash.debug(&(camera, decisive));
     let program = PROGRAM.to_owned();
     Origin { program, hash: hash.0, label: label(scene, camera, options) }

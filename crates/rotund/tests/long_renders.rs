@@ -267,20 +267,28 @@ fn an_unfinished_shard_is_called_so() {
 fn a_checkpoint_that_cannot_be_written_does_not_cost_the_picture() {
     use std::os::unix::fs::symlink;
     let place = Place::new();
-    let picture = "render scene.json --resolution 48 --samples 20000 --seed 7 --out a.png";
-    let kept = format!("{picture} --checkpoint far/film --checkpoint-every 0");
     fs::create_dir(place.path("gone")).expect("a folder");
     symlink("gone", place.path("far")).expect("a link");
-    let child = place.start(&kept, "far/film");
-    // The folder disappears while the program renders.
-    fs::rename(place.path("gone"), place.path("moved")).expect("the folder");
-    send(&child, "INT");
-    let output = child.wait_with_output().expect("it ends");
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(130), "{message}");
-    assert!(message.contains("warning: cannot write far/film"), "{message}");
-    assert!(message.contains("error: interrupted; a.png: "), "{message}");
-    assert!(place.path("a.png").exists(), "the picture is written");
+    for (interrupted, code, words) in [
+        (true, 130, "error: interrupted; a.png: "),
+        (false, 3, "far/film: its folder cannot be written to: entity not found: the picture"),
+    ] {
+        let kept = format!("{PICTURE} --out a.png --checkpoint far/film --checkpoint-every 0");
+        let child = place.start(&kept, "far/film");
+        // The folder disappears while the program renders.
+        fs::rename(place.path("gone"), place.path("moved")).expect("the folder");
+        if interrupted {
+            send(&child, "INT");
+        }
+        let output = child.wait_with_output().expect("it ends");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        assert!(message.contains("warning: cannot write far/film"), "{message}");
+        assert!(message.contains(words) && message.lines().count() <= 4, "{message}");
+        fs::remove_file(place.path("a.png")).expect("the picture is written");
+        fs::remove_file(place.path("moved/film")).expect("an early checkpoint");
+        fs::rename(place.path("moved"), place.path("gone")).expect("the folder");
+    }
 }
 
 #[test]

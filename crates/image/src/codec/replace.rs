@@ -94,7 +94,9 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
-        let temporary = builder.tempfile_in(folder)?;
+        // The error of the system alone: tempfile would add the random name.
+        let temporary =
+            builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
         match temporary.as_file().try_lock() {
             // Swept between its creation and the lock: once more.
             Ok(()) if !temporary.path().exists() => {}
