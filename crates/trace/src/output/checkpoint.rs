@@ -63,8 +63,8 @@ pub fn save_film(path: impl AsRef<Path>, film: &Film) -> Result<(), WriteError> 
     write_with(path, |file| write(file, film, &mut |_| Ok(())))
 }
 
-/// Writes a film as [`save_film`] does, unless `stop` returns true before it is written. It is asked
-/// several times a second, unless the disk is very slow. Returns whether the file was written.
+/// Writes a film as [`save_film`] does, unless `stop` returns true before it is written; returns
+/// whether the file was written. `stop` is called several times a second, unless the disk is slow.
 ///
 /// # Errors
 ///
