@@ -3,6 +3,7 @@
 use super::{Farm, page};
 use anyhow::{Result, bail, ensure};
 use rotund_report::console::say;
+use rotund_trace::output::load_film_header;
 use std::collections::BTreeMap;
 use std::fs;
 use std::thread::sleep;
@@ -51,7 +52,7 @@ pub(super) fn array(farm: &Farm) -> Result<()> {
         seen = states;
         sleep(Duration::from_millis(200));
     }
-    let Some(task) = requeued else { bail!("no task wrote a checkpoint while it ran") };
+    let Some(task) = requeued else { bail!("no task was seen in the middle: take more --samples") };
     let log = fs::read_to_string(farm.path(&format!("shard-{task}.log")))?;
     for line in log.lines() {
         say(format!("  shard-{task}.log: {line}"))?;
@@ -82,11 +83,15 @@ fn states(farm: &Farm, jobs: &[&str]) -> Result<BTreeMap<String, String>> {
     Ok(states)
 }
 
-/// Puts a running task that has written a checkpoint back into the queue; returns its number.
+/// Puts a running task that has written a checkpoint, but not all samples, back into the queue;
+/// returns its number.
 fn requeue(farm: &Farm, job: &str, states: &BTreeMap<String, String>) -> Result<Option<u32>> {
     let running = |task: &u32| states.get(&format!("{job}_{task}")).is_some_and(|s| s == "RUNNING");
-    let has_film = |task: &u32| farm.path(&format!("shard-{task}.film")).exists();
-    let Some(task) = (1..=TASKS).find(|task| running(task) && has_film(task)) else {
+    let is_within = |task: &u32| {
+        load_film_header(farm.path(&format!("shard-{task}.film")))
+            .is_ok_and(|header| !header.is_finished())
+    };
+    let Some(task) = (1..=TASKS).find(|task| running(task) && is_within(task)) else {
         return Ok(None);
     };
     let id = format!("{job}_{task}");
