@@ -6,6 +6,7 @@ use rotund_scene::Scene;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+mod farm_check;
 mod moved;
 mod tidy;
 mod workspace;
@@ -58,6 +59,8 @@ enum Command {
     Rays(RaysArgs),
     /// Render a scene far from the origin, tiny and huge, and measure what changed.
     Moved(moved::Args),
+    /// Kill, interrupt and spread renders as a farm does, and compare the bits.
+    FarmCheck(farm_check::Args),
     /// Check dependencies, circles between files, formulas, sizes, leftovers and scenes.
     Tidy(tidy::Args),
 }
@@ -97,7 +100,7 @@ fn program() -> clap::Command {
 
 /// Loads a scene for a measurement.
 fn named(scene: &str, load: &rotund::LoadArgs) -> anyhow::Result<(String, Scene)> {
-    let named = rotund::load(scene, load)?;
+    let named = rotund::load(scene.as_ref(), load)?;
     Ok((named.name, named.scene))
 }
 
@@ -112,6 +115,7 @@ impl Command {
                 rotund_study::rays::run(rays, &|scene| named(scene, &load))
             }
             Self::Moved(args) => moved::run(args),
+            Self::FarmCheck(args) => farm_check::run(args),
             Self::Tidy(args) => tidy::run(args),
         }
     }
@@ -120,6 +124,7 @@ impl Command {
 /// Parses `arguments` (the first names the program), runs the command, reports failure on
 /// standard error and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+    rotund::check_environment();
     rotund::report(run(arguments))
 }
 

@@ -13,6 +13,7 @@ use rotund_report::console::{Table, say};
 use rotund_scene::Scene;
 use rotund_study::placement::placed;
 use serde_json::json;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -24,13 +25,16 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// The name of a scene in `scenes/`, or the path of a JSON, PLY, OBJ, SWC, TCK or TRK file.
-    scene: String,
+    /// The name of a scene in `scenes/`, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK,
+    /// XYZ, TXT, CSV, PTS or ASC file.
+    scene: OsString,
     /// How far everything is moved along x, y and z, in meters: cameras and instances.
     #[arg(long, value_name = "METERS", value_delimiter = ',', default_value = "1e4")]
+    #[arg(value_parser = offset, allow_negative_numbers = true)]
     offset: Vec<f64>,
     /// How much larger everything is: vertices, radii, frames, cameras and depths inside materials.
     #[arg(long, value_name = "FACTORS", value_delimiter = ',', default_value = "1e-3,1e3")]
+    #[arg(value_parser = scale)]
     scale: Vec<f64>,
     /// The folder to write to; `out/`, the name of the scene and `-moved` if not given.
     #[arg(long, value_name = "DIR")]
@@ -40,6 +44,16 @@ pub(crate) struct Args {
     json: bool,
     #[command(flatten)]
     picture: PictureArgs,
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    let offset = text.parse::<f64>().ok().filter(|offset| offset.is_finite());
+    offset.ok_or_else(|| "an offset is a finite number of meters".to_owned())
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    let scale = text.parse::<f64>().ok().filter(|&scale| scale > 0.0 && scale.is_finite());
+    scale.ok_or_else(|| "a factor is a finite number above zero".to_owned())
 }
 
 /// A picture that should be the same.

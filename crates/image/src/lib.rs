@@ -62,7 +62,7 @@ mod plane;
 #[cfg(feature = "codecs")]
 pub use codec::{
     DecodeError, Decoded, EXR_ENCODING, EncodeError, Format, ReadError, Samples, WriteError,
-    decode, encode, write_with,
+    decode, encode, sweep, write_with,
 };
 pub use color::{linear_from_srgb, linear_from_srgb_table, luminance, srgb_from_linear};
 #[cfg(feature = "compare")]

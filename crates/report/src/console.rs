@@ -1,9 +1,28 @@
 //! Text on standard output, and aligned tables.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
-/// Prints `text` and a line break to standard output.
+/// Returns the text with each control character but line breaks, and each that reverses the
+/// direction of writing, as an escape like `\u001b`. Names come from files, and may hold what moves
+/// the cursor or colours the terminal. In JSON the escape stands for the same character.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_odd = |c: char| {
+        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}')
+            || matches!(c, '\u{2066}'..='\u{2069}');
+        c != '\n' && (c.is_control() || turns)
+    };
+    if !text.contains(is_odd) {
+        return Cow::Borrowed(text);
+    }
+    let escape = |c| if is_odd(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() };
+    Cow::Owned(text.chars().map(escape).collect())
+}
+
+/// Prints `text`, with escapes for what [`printable`] replaces, and a line break to standard
+/// output.
 ///
 /// Unlike `println!`, it does not panic if the reader has closed the pipe.
 ///
@@ -12,7 +31,7 @@ use std::io::{self, Write as _};
 /// If standard output cannot be written to; a closed pipe is [`io::ErrorKind::BrokenPipe`].
 pub fn say(text: impl AsRef<str>) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_ref().as_bytes())?;
+    out.write_all(printable(text.as_ref()).as_bytes())?;
     out.write_all(b"\n")?;
     out.flush()?;
     Ok(())
@@ -41,7 +60,8 @@ impl Table {
 
     /// Appends a row, which may be shorter than the heading.
     pub fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
-        self.rows.push(cells.into_iter().map(Into::into).collect());
+        let one_line = |cell: String| printable(&cell).replace('\n', "\\u000a");
+        self.rows.push(cells.into_iter().map(|cell| one_line(cell.into())).collect());
     }
 
     /// Returns the width of each column; that of the first is cut to the room beside the others.
@@ -94,7 +114,23 @@ impl std::fmt::Display for Table {
 
 #[cfg(test)]
 mod tests {
-    use super::Table;
+    use super::{Table, printable};
+
+    #[test]
+    fn what_would_control_a_terminal_is_escaped() {
+        let table = [
+            ("plain text\nof two lines, ä and 漢", "plain text\nof two lines, ä and 漢"),
+            ("\u{1b}[31mred\u{7}", "\\u001b[31mred\\u0007"),
+            ("\r\t\u{7f}\u{9b}2J", "\\u000d\\u0009\\u007f\\u009b2J"),
+            ("gnp.\u{202e}exe", "gnp.\\u202eexe"),
+        ];
+        for (text, expected) in table {
+            assert_eq!(printable(text), expected);
+        }
+        let mut rows = Table::new(&["name"]);
+        rows.row(["two\nlines"]);
+        assert_eq!(rows.to_string(), "name\ntwo\\u000alines");
+    }
 
     #[test]
     fn a_table_aligns_the_first_column_left_and_numbers_right() {

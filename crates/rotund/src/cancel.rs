@@ -1,49 +1,60 @@
-//! Ctrl-C: the first ends a render early, and its samples are written; the second ends the program
-//! at once.
+//! Ctrl-C, SIGTERM and SIGHUP: the first ends a render early, and its samples are written; the
+//! second ends the program at once.
 
-use std::fmt;
-use std::sync::OnceLock;
+use crate::exit;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
-static LISTENING: OnceLock<()> = OnceLock::new();
+static REQUESTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Exit code of a program that was interrupted: 128 plus the number of the signal.
-pub(crate) const EXIT_CODE: u8 = 130;
-
-/// Proof that the handler of Ctrl-C is installed.
+/// Proof that the signals are handled.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cancel(());
+pub(crate) struct Cancel(&'static AtomicBool);
 
 impl Cancel {
-    /// Installs the handler: from now on the first Ctrl-C is a request.
+    /// Installs the handlers: from now on the first signal is a request.
     pub(crate) fn listen() -> Self {
-        LISTENING.get_or_init(|| {
-            let handler = || {
-                if REQUESTED.swap(true, Ordering::Relaxed) {
-                    std::process::exit(i32::from(EXIT_CODE));
+        let requested = REQUESTED.get_or_init(|| {
+            let requested = Arc::new(AtomicBool::new(false));
+            for signal in signals() {
+                // In this order, the second signal finds the request of the first. If no handler
+                // can be installed, the signal ends the program as it does by default.
+                let code = i32::from(exit::INTERRUPTED);
+                let exits =
+                    flag::register_conditional_shutdown(signal, code, Arc::clone(&requested));
+                if exits.is_ok() {
+                    let _ = flag::register(signal, Arc::clone(&requested));
                 }
-            };
-            // If no handler can be installed, Ctrl-C ends the program as it does by default.
-            let _ = ctrlc::set_handler(handler);
+            }
+            requested
         });
-        Self(())
+        Self(requested)
     }
 
-    /// Returns true if Ctrl-C was pressed.
+    /// Returns true if a signal has come.
     pub(crate) fn requested(self) -> bool {
-        REQUESTED.load(Ordering::Relaxed)
+        self.0.load(Ordering::Relaxed)
     }
 }
 
-/// The error of a command that Ctrl-C interrupted. Its text says what was written.
-#[derive(Clone, Debug)]
-pub struct Cancelled(pub String);
-
-impl fmt::Display for Cancelled {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "interrupted; {}", self.0)
+/// Returns the signals that ask for an end.
+fn signals() -> Vec<i32> {
+    let mut signals = vec![SIGINT, SIGTERM];
+    #[cfg(unix)]
+    if !is_ignored(signal_hook::consts::SIGHUP) {
+        signals.push(signal_hook::consts::SIGHUP);
     }
+    signals
 }
 
-impl std::error::Error for Cancelled {}
+/// Returns true if this process was started with the signal ignored, as `nohup` does with SIGHUP.
+/// Only Linux tells.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}

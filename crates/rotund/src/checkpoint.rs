@@ -1,18 +1,17 @@
 //! Films on disk: checkpoints of a render that can be interrupted, and shards of one picture.
 
-use crate::message::one_line;
-use crate::scene_source::NamedScene;
-use anyhow::{Result, bail};
-use rotund_scene::{Elements, Scene};
-use rotund_trace::{Film, Options, Shard, output};
-use std::fmt;
+use crate::cancel::Cancel;
+use crate::message::{note, one_line, warn};
+use anyhow::{Context as _, Result, bail};
+use rotund_trace::{Film, FilmHeader, Options, Origin, Shard, output};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Options of a render that keeps its film on disk.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct CheckpointArgs {
-    /// Save the state of the render in this file, now and then and at the end.
+    /// Save the state of the render in this file, now and then and at the end. {shard} in its name,
+    /// and in that of --out, becomes the number of the shard.
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Seconds between checkpoints.
@@ -49,50 +48,79 @@ pub(crate) struct Checkpoint {
     path: PathBuf,
     every: Duration,
     saved: Instant,
+    /// True if the file lacks samples of the film.
+    is_behind: bool,
+    /// True if the last try to write it failed, which is said once.
+    has_failed: bool,
 }
 
 impl CheckpointArgs {
-    /// Returns the film to add samples to, and the file to save it in. `label` names everything
-    /// that the samples depend on and that a film has no field for.
+    /// Returns the file to save the film in, if any.
+    pub(crate) fn path(&self) -> Result<Option<PathBuf>> {
+        self.checkpoint.as_deref().map(|path| self.with_shard(path)).transpose()
+    }
+
+    /// Replaces `{shard}` in a name by the number of the shard, with as many digits as the last
+    /// one has, so that names sort by number.
+    pub(crate) fn with_shard(&self, path: &Path) -> Result<PathBuf> {
+        const PLACE: &str = "{shard}";
+        let has_place = path.to_string_lossy().contains(PLACE);
+        match (path.to_str(), self.shard) {
+            _ if !has_place => Ok(path.into()),
+            (Some(text), Some(Shard { index, count })) => {
+                let digits = count.to_string().len();
+                let number = format!("{:0digits$}", u64::from(index) + 1);
+                Ok(text.replace(PLACE, &number).into())
+            }
+            (_, None) => bail!("{} names a shard, but there is no --shard", path.display()),
+            (None, _) => bail!("cannot replace {PLACE} in {}: it is not UTF-8", path.display()),
+        }
+    }
+
+    /// Returns the film to add samples to, and the file to save it in. `origin` stands for
+    /// everything that the samples depend on and that a film has no field for.
     pub(crate) fn open(
         &self,
         options: &Options,
-        label: String,
+        origin: Origin,
     ) -> Result<(Film, Option<Checkpoint>)> {
-        let empty = Film::for_options(options)?.with_label(label);
-        let Some(path) = &self.checkpoint else { return Ok((empty, None)) };
-        let checkpoint = Checkpoint {
+        options.validate()?;
+        let path = self.path()?;
+        let every = Duration::from_secs(self.checkpoint_every);
+        let checkpoint = path.as_ref().map(|path| Checkpoint {
             path: path.clone(),
-            every: Duration::from_secs(self.checkpoint_every),
+            every,
             saved: Instant::now(),
+            is_behind: true,
+            has_failed: false,
+        });
+        let Some(path) = path.filter(|path| path.exists()) else {
+            return Ok((Film::for_options(options)?.with_origin(origin), checkpoint));
         };
-        crate::output::check_file(path)?;
-        if !path.exists() {
-            return Ok((empty, Some(checkpoint)));
-        }
         if !self.resume {
             bail!("{} exists: add --resume to continue it, or remove it", path.display());
         }
-        let film = output::load_film(path)?;
-        let of = |film: &Film| (film.width(), film.height(), film.seed(), film.shard());
-        if of(&film) != of(&empty) || film.label() != empty.label() {
-            bail!(
-                "{} is the checkpoint of another picture: {}, not {}",
-                path.display(),
-                describe(&film),
-                describe(&empty)
-            );
+        let found = output::load_film_header(&path)?;
+        let wanted = FilmHeader { origin, ..FilmHeader::for_options(options) };
+        check_fit(&found, &wanted)
+            .with_context(|| format!("{} is the checkpoint of another picture", path.display()))?;
+        let film = output::load_film(&path)?;
+        let (most, share) = (film.most_samples(), wanted.share());
+        if most > share {
+            bail!("{} has {most} samples already, more than the {share} asked for", path.display());
         }
-        let wanted = options.shard.share_of(options.samples);
-        if film.samples() > wanted {
-            bail!(
-                "{} has {} samples already, more than the {wanted} asked for",
-                path.display(),
-                film.samples()
-            );
-        }
-        Ok((film, Some(checkpoint)))
+        note(format!("{} continues from {} of {share} samples", path.display(), film.samples()));
+        Ok((film, checkpoint))
     }
+}
+
+/// Checks that a film is of the picture and the shard that are wanted, whatever number of samples.
+fn check_fit(found: &FilmHeader, wanted: &FilmHeader) -> Result<()> {
+    let mut differences = FilmHeader { wanted: wanted.wanted, ..found.clone() }.differences(wanted);
+    if differences.is_empty() && found.shards != wanted.shards {
+        differences = format!("{}, not {}", found.shards, wanted.shards);
+    }
+    if differences.is_empty() { Ok(()) } else { bail!(differences) }
 }
 
 impl Checkpoint {
@@ -100,105 +128,54 @@ impl Checkpoint {
         &self.path
     }
 
-    /// Saves the film if the last time is long enough ago. A failure is only a warning: a disk that
-    /// is full now may have room at the end.
-    #[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
-    pub(crate) fn update(&mut self, film: &Film) {
+    /// Saves the film if the last time is long enough ago, unless a signal ends the render: then
+    /// the picture goes first. A failure is only a warning: a disk that is full now may
+    /// have room at the end.
+    pub(crate) fn update(&mut self, film: &Film, cancel: Cancel) {
+        self.is_behind = true;
         if self.saved.elapsed() >= self.every {
-            if let Err(error) = self.save(film) {
-                eprintln!("warning: {}", one_line(&error));
+            match output::save_film_unless(&self.path, film, || cancel.requested()) {
+                Ok(saved) => (self.is_behind, self.has_failed) = (!saved, false),
+                Err(error) => {
+                    if !self.has_failed {
+                        warn(format!("{}: it will be tried again", one_line(&error.into())));
+                    }
+                    self.has_failed = true;
+                }
             }
             self.saved = Instant::now();
         }
     }
 
-    /// Saves the film.
-    pub(crate) fn save(&self, film: &Film) -> Result<()> {
-        Ok(output::save_film(&self.path, film)?)
-    }
-}
-
-/// Describes a film so that a person can tell it from another.
-pub(crate) fn describe(film: &Film) -> String {
-    let Shard { index, count } = film.shard();
-    let shard = if count > 1 { format!(", shard {}/{count}", index + 1) } else { String::new() };
-    let (label, width, height, seed) = (film.label(), film.width(), film.height(), film.seed());
-    format!("{label}, {width} x {height}, seed {seed}{shard}")
-}
-
-/// Returns the label of a film: scene, camera and options in words, with a hash of the whole scene.
-pub(crate) fn label(scene: &NamedScene, camera: usize, options: &Options) -> String {
-    let mut hash = Hash(0xcbf2_9ce4_8422_2325);
-    hash.scene(&scene.scene);
-    let mut label = format!(
-        "{} ({:016x}), camera {}, {} bounces",
-        scene.name, hash.0, scene.scene.cameras[camera].name, options.bounces
-    );
-    // Options are named only if they differ from the default.
-    let usual = Options::default();
-    if options.sequence != usual.sequence {
-        label += &format!(", {:?} numbers", options.sequence).to_lowercase();
-    }
-    if options.view != usual.view {
-        label += &format!(", view {}", options.view);
-    }
-    if options.transparent {
-        label += ", transparent";
-    }
-    if let Some(clamp) = options.clamp {
-        label += &format!(", clamped to {clamp}");
-    }
-    label
-}
-
-/// FNV-1a over 32-bit words. It detects mistakes; it is no protection against forgery.
-struct Hash(u64);
-
-impl Hash {
-    fn word(&mut self, word: u32) {
-        self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
-    }
-
-    fn floats<const N: usize>(&mut self, vectors: impl Iterator<Item = [f32; N]>) {
-        vectors.for_each(|vector| vector.iter().for_each(|x| self.word(x.to_bits())));
-    }
-
-    fn words<const N: usize>(&mut self, vectors: &[[u32; N]]) {
-        vectors.iter().flatten().for_each(|&word| self.word(word));
-    }
-
-    fn scene(&mut self, scene: &Scene) {
-        for shape in &scene.shapes {
-            self.debug(&(shape.method, shape.elements.kind()));
-            match &shape.elements {
-                Elements::Points(count) => self.word(*count),
-                Elements::Lines(lines) => self.words(lines),
-                Elements::Triangles(triangles) => self.words(triangles),
-                Elements::Quads(quads) => self.words(quads),
-            }
-            self.floats(shape.positions.iter().map(|p| p.to_array()));
-            self.floats(shape.normals.iter().map(|n| n.to_array()));
-            self.floats(shape.texcoords.iter().map(|t| t.to_array()));
-            self.floats(shape.colors.iter().map(|c| c.to_array()));
-            self.floats(shape.radii.iter().map(|&r| [r]));
+    /// Saves the film, unless the file has all its samples.
+    pub(crate) fn save(&mut self, film: &Film) -> Result<()> {
+        if self.is_behind {
+            output::save_film(&self.path, film)?;
+            self.is_behind = false;
         }
-        for texture in &scene.textures {
-            self.debug(&(texture.width, texture.height));
-            let places = (0..texture.height).flat_map(|y| (0..texture.width).map(move |x| (x, y)));
-            self.floats(places.map(|(x, y)| texture.color_at(x, y).to_array()));
-        }
-        self.debug(&(&scene.cameras, &scene.materials, &scene.instances, &scene.environments));
-    }
-
-    /// Hashes the debug text of a small value.
-    fn debug(&mut self, value: &impl fmt::Debug) {
-        format!("{value:?}").bytes().for_each(|byte| self.word(u32::from(byte)));
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_number_of_the_shard_fills_its_place_in_a_name() {
+        let args = |shard| CheckpointArgs {
+            checkpoint: Some("{shard}/a-{shard}.film".into()),
+            checkpoint_every: 60,
+            resume: false,
+            shard,
+        };
+        let path = args(Some(Shard { index: 6, count: 100 })).path().expect("a name");
+        assert_eq!(path.as_deref(), Some(Path::new("007/a-007.film")));
+        let error = args(None).path().expect_err("no shard").to_string();
+        assert_eq!(error, "{shard}/a-{shard}.film names a shard, but there is no --shard");
+        let plain = args(None).with_shard(Path::new("a.exr")).expect("a name");
+        assert_eq!(plain, Path::new("a.exr"));
+    }
 
     #[test]
     fn shards_are_counted_from_one() {

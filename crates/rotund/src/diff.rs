@@ -2,6 +2,7 @@
 //!
 //! Reads EXR, HDR, PNG and JPEG. `B` is the reference of relative errors.
 
+use crate::output::check_distinct;
 use anyhow::{Context, Result};
 use rotund_image::{Difference, Image, Metrics};
 use rotund_report::console::{Table, say};
@@ -33,6 +34,10 @@ pub struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<()> {
+    let maps = [("--signed-map", &args.signed_map), ("--flip-map", &args.flip_map)];
+    let maps: Vec<_> =
+        maps.iter().filter_map(|&(name, path)| Some((name, path.as_deref()?))).collect();
+    check_distinct(&maps, &[args.a.clone(), args.b.clone()])?;
     let (a, b) = (Image::read(&args.a)?, Image::read(&args.b)?);
     let difference = Difference::between(&a, &b).with_context(|| {
         format!("cannot compare {} with {}", args.a.display(), args.b.display())

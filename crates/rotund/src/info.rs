@@ -4,11 +4,13 @@
 //! comes second, when the files are in the cache of the system, so that the ratio does not profit
 //! from a cold disk.
 
+use crate::memory as room;
 use crate::scene_source::{LoadArgs, load_silently};
 use anyhow::{Context, Result};
 use rotund_geometry::{Aabb, glam::Vec3};
 use rotund_report::console::{Table, say};
 use rotund_scene::{ElementKind, Loaded, Material, Scene, Shape, Trees};
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::PathBuf;
@@ -26,7 +28,7 @@ Examples:
 pub struct Args {
     /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
     /// TXT, CSV, PTS or ASC file.
-    scene: String,
+    scene: OsString,
     #[command(flatten)]
     loading: LoadArgs,
 }
@@ -53,6 +55,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     if let Some(table) = textures(scene) {
         say(format!("\n{table}"))?;
     }
+    room::check_scene(scene)?;
     let start = Instant::now();
     let trees = Trees::build(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();

@@ -11,15 +11,20 @@
 //! | code | meaning |
 //! | --- | --- |
 //! | 0 | the command succeeded |
-//! | 1 | the command failed; standard error has one line, `error: ...` |
+//! | 1 | the command failed, and will again; standard error has one line, `error: ...` |
 //! | 2 | the command line was not understood; standard error says what was expected |
-//! | 130 | Ctrl-C interrupted the command; standard error says what was written |
+//! | 3 | the picture was written, its checkpoint was not; standard error has a line `warning: ...` |
+//! | 4 | `merge` lacks shards, or some are not finished |
+//! | 5 | a file could not be written, or memory ran out |
+//! | 130 | Ctrl-C, SIGTERM or SIGHUP interrupted the command; standard error says what was written |
 //!
 //! A reader that closes standard output early (`rotund info shapes4 | head -1`) is not an error.
 
 #![expect(clippy::print_stderr, reason = "this crate is the one that talks to people")]
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use rotund_bvh::Isa;
+use rotund_report::console::printable;
 use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
@@ -32,33 +37,26 @@ mod choice;
 mod compare;
 mod completions;
 mod diff;
+mod exit;
 mod golden;
 mod info;
 mod kinds;
+mod memory;
 mod merge;
 mod message;
 mod noise;
+mod origin;
 mod output;
 mod progress;
 mod render;
 mod scene_source;
 mod shot;
 
-pub use cancel::Cancelled;
+pub use exit::{Cancelled, EXIT_CODES};
 pub use kinds::enhance;
 pub use output::{prepare_folder, write_text};
 pub use scene_source::{LoadArgs, NamedScene, load};
 pub use shot::{PictureArgs, Shot, take};
-
-/// The exit codes, for the help of a program that reports by [`report`].
-pub const EXIT_CODES: &str = "\
-Exit codes:
-  0    the command succeeded
-  1    the command failed; standard error says why in one line
-  2    the command line was not understood
-  130  Ctrl-C interrupted the command; standard error says what was written
-
-Colours and progress bars are for terminals only; NO_COLOR turns colours off.";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -134,6 +132,7 @@ pub fn with_examples_of(invocation: &str, program: clap::Command) -> clap::Comma
 /// Parses `arguments` (the first names the program), runs the command, reports failure on standard
 /// error and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+    check_environment();
     report(run(arguments))
 }
 
@@ -156,16 +155,35 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> 
 pub fn report(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else { return ExitCode::SUCCESS };
     if let Some(error) = error.downcast_ref::<clap::Error>() {
-        // If standard error is closed, nobody can be told.
-        let _ = error.print();
+        if error.use_stderr() {
+            // Without colours: the message quotes arguments, which may hold escapes of their own.
+            eprint!("{}", printable(&error.render().to_string()));
+        } else {
+            // If standard output is closed, nobody can be told.
+            let _ = error.print();
+        }
         return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
     }
     if is_broken_pipe(&error) {
         return ExitCode::SUCCESS;
     }
-    eprintln!("error: {}", message::one_line(&error));
-    let interrupted = error.is::<Cancelled>();
-    if interrupted { ExitCode::from(cancel::EXIT_CODE) } else { ExitCode::FAILURE }
+    let code = exit::code(&error);
+    let text = message::one_line(&error);
+    if code == exit::NO_CHECKPOINT {
+        message::warn(text);
+    } else {
+        eprintln!("error: {text}");
+    }
+    ExitCode::from(code)
+}
+
+/// Warns about environment variables that have no meaning, on standard error.
+pub fn check_environment() {
+    let Some(name) = std::env::var_os("ROTUND_ISA").filter(|name| !name.is_empty()) else { return };
+    if let Err(error) = name.to_string_lossy().parse::<Isa>() {
+        let used = Isa::default_set().name();
+        message::warn(format!("the variable ROTUND_ISA is ignored: {error}; {used} is used"));
+    }
 }
 
 /// Returns true if the only failure is that nobody reads standard output any more.

@@ -5,9 +5,10 @@
 //! of merit that does not depend on the number of samples. The measurement includes the noise of
 //! the reference, which therefore should have many more samples.
 
-use crate::cancel::Cancelled;
+use crate::cancel::Cancel;
+use crate::exit::Cancelled;
 use crate::kinds::enhance;
-use crate::output::{check_file, write_text};
+use crate::output::{check_distinct, check_file, write_text};
 use crate::shot::{PictureArgs, take_on};
 use anyhow::{Result, bail};
 use rotund_image::{Image, trimmed_relative_error};
@@ -15,6 +16,7 @@ use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
 use rotund_report::html;
 use rotund_trace::{Film, Options, Sequence, World};
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -30,7 +32,7 @@ Examples:
 pub struct Args {
     /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
     /// TXT, CSV, PTS or ASC file.
-    scene: String,
+    scene: OsString,
     /// The converged picture: exr or hdr, of the size that is rendered.
     #[arg(long, value_name = "FILE.{exr,hdr}")]
     reference: PathBuf,
@@ -55,6 +57,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     check_file(&args.out)?;
     let reference = Image::read(&args.reference)?;
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
+    check_distinct(&[("--out", &args.out)], &scene.files)?;
     let size = (options.width, options.height);
     if size != (reference.width, reference.height) {
         bail!(
@@ -79,7 +82,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
         // The sizes agree; a film without a finite pixel has no error that could be drawn.
         let noise =
             |film: &Film| trimmed_relative_error(&film.image(), &reference).unwrap_or(f64::NAN);
-        let mut read = |film: &Film| {
+        let mut read = |film: &Film, _: Cancel| {
             let now = start.elapsed();
             // Readings are spaced evenly on a logarithmic axis as far as passes allow: the number
             // of samples of a film rises at the end of a pass, when all pixels have as many.

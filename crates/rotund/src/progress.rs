@@ -44,10 +44,14 @@ impl Meter {
         }
     }
 
-    /// Removes the bar.
-    pub(crate) fn finish(self) {
+    /// Removes the bar. After an interruption, a line answers the signal before the files are
+    /// written, which takes seconds if they are large.
+    pub(crate) fn finish(self, interrupted: bool) {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
+        }
+        if interrupted {
+            eprintln!("stopping: writing the samples so far; a second signal ends at once");
         }
     }
 }
@@ -104,6 +108,7 @@ fn time(seconds: f64) -> String {
 mod tests {
     use super::*;
     use indicatif::TermLike;
+    use rotund_trace::{Film, FilmSample};
     use std::io;
     use std::sync::{Arc, Mutex};
 
@@ -122,6 +127,17 @@ mod tests {
         for (seconds, text) in table {
             assert_eq!(time(seconds), text);
         }
+    }
+
+    #[test]
+    fn the_time_left_is_that_of_this_run_whatever_the_film_had_before() {
+        let mut film = Film::new(1, 1).expect("a film");
+        film.accumulate(80, |_, _, _| FilmSample::default());
+        // Half of the twenty missing samples took five seconds.
+        let elapsed = Duration::from_secs(5);
+        let progress = Progress { film: &film, samples: 10, total: 20, rays: 5_000_000, elapsed };
+        let state = state(progress.fraction(), progress.rays, progress.elapsed);
+        assert_eq!(state, "1.00 Mrays/s, 5 s left");
     }
 
     /// A terminal of 80 columns that records the lines that are drawn.

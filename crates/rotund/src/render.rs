@@ -1,19 +1,24 @@
 //! `render <scene> --out FILE`: one picture of a scene.
 
 use crate::background::{self, Background};
-use crate::cancel::Cancelled;
-use crate::checkpoint::{self, Checkpoint, CheckpointArgs};
+use crate::cancel::Cancel;
+use crate::checkpoint::{Checkpoint, CheckpointArgs};
 use crate::choice;
+use crate::exit::{Cancelled, NoCheckpoint};
 use crate::kinds::enhance;
-use crate::output::check_image_file;
+use crate::memory;
+use crate::message::{one_line, warn};
+use crate::origin::origin;
+use crate::output::{check_distinct, check_file, check_image_file};
 use crate::progress::rays_per_second;
 use crate::shot::{PictureArgs, odd_samples, take_on};
-use anyhow::{Result, bail};
+use anyhow::{Error, Result, bail};
 use rotund_geometry::Method;
 use rotund_image::Format;
 use rotund_report::console::say;
 use rotund_trace::{Film, Options, View, World, output};
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,7 +29,7 @@ Examples:
   rotund render shapes4 --mode vanilla --out vanilla.exr --samples 256
   rotund render scene.json --kinds lines --camera front --out lines.hdr
   rotund render shapes4 --checkpoint a.film --resume --out shapes4.exr
-  rotund render shapes4 --checkpoint 2.film --resume --shard 2/8
+  rotund render shapes4 --checkpoint {shard}.film --resume --shard 2/8
   rotund render shapes4 --view shading-normal --samples 4 --out normals.png
   rotund render shapes4 --layers --out shapes4.exr";
 
@@ -50,7 +55,7 @@ fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub struct Args {
     /// The name of a built-in scene, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
     /// TXT, CSV, PTS or ASC file.
-    scene: String,
+    scene: OsString,
     /// The image to write: png or jpg (sRGB), exr or hdr (linear).
     #[arg(long, value_name = "FILE.{png,jpg,exr,hdr}", required_unless_present = "checkpoint")]
     out: Option<PathBuf>,
@@ -79,7 +84,8 @@ pub struct Args {
 }
 
 pub(crate) fn run(mut args: Args) -> Result<()> {
-    if let Some(out) = &args.out {
+    let out = args.out.as_deref().map(|out| args.checkpoint.with_shard(out)).transpose()?;
+    if let Some(out) = &out {
         let format = check_image_file(out)?;
         if args.layers && format != Format::Exr {
             bail!("cannot write layers to {}: only an exr holds them", out.display());
@@ -90,7 +96,14 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
     }
     let transparent = args.transparent || args.background.is_some();
     args.picture.loading.without_floor = transparent;
+    let checkpoint = args.checkpoint.path()?;
+    if let Some(checkpoint) = &checkpoint {
+        check_file(checkpoint)?;
+    }
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
+    let outputs = [("--out", out.as_deref()), ("--checkpoint", checkpoint.as_deref())];
+    let outputs: Vec<_> = outputs.iter().filter_map(|&(name, path)| Some((name, path?))).collect();
+    check_distinct(&outputs, &scene.files)?;
     let shard = args.checkpoint.shard.unwrap_or_default();
     let options = Options {
         view: args.view,
@@ -106,46 +119,83 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
         Method::Enhanced => args.picture.kinds.kinds(),
     };
     enhance(&mut scene.scene, &kinds);
-    let label_of_film = checkpoint::label(&scene, camera, &options);
-    let (film, mut checkpoint) = args.checkpoint.open(&options, label_of_film)?;
+    let origin = origin(&scene, camera, &options);
+    let (film, mut checkpoint) = args.checkpoint.open(&options, origin)?;
+    memory::check_scene(&scene.scene)?;
     let (shot, layers) = args.picture.shot.with_threads(|| {
         let world = World::new(&scene.scene)?;
-        let mut keep = |film: &Film| {
+        let mut keep = |film: &Film, cancel: Cancel| {
             if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.update(film);
+                checkpoint.update(film, cancel);
             }
         };
         let shot = take_on(film, &world, camera, &options, label, &mut keep)?;
-        let layers = args.layers.then(|| world.layers(camera, &options)).transpose()?;
+        let layers = args.layers.then(|| world.layers(camera, &options)).transpose();
         Ok((shot, layers))
     })?;
-    if let Some(checkpoint) = &checkpoint {
-        checkpoint.save(&shot.film)?;
-    }
-    if let Some(out) = &args.out {
+    let film = &shot.film;
+    // The picture comes first, and neither failure costs the other file.
+    let written = out.as_deref().map(|out| {
         let image = match args.background {
-            Some(Background(color)) => shot.film.image().before(color),
-            None => shot.film.image(),
+            Some(Background(color)) => film.image().before(color),
+            None => film.image(),
         };
-        match &layers {
-            Some(layers) => output::write_layers(out, &image, layers)?,
-            None => image.write(out)?,
+        match layers? {
+            Some(layers) => Ok(output::write_layers(out, &image, &layers)?),
+            None => Ok(image.write(out)?),
         }
-    }
-    let files = [args.out.as_deref(), checkpoint.as_ref().map(Checkpoint::path)];
-    let files: Vec<_> = files.iter().flatten().map(|path| path.display().to_string()).collect();
+    });
+    let saved = checkpoint.as_mut().map(|checkpoint| checkpoint.save(film));
+    let checkpoint = checkpoint.as_ref().map(Checkpoint::path);
+    let lost = judge(written, saved, checkpoint)?;
+    let kept = checkpoint.filter(|_| lost.is_none());
+    let files: Vec<_> =
+        [out.as_deref(), kept].iter().flatten().map(|path| path.display().to_string()).collect();
     let files = files.join(" and ");
     if shot.interrupted {
+        if let Some(lost) = lost {
+            warn(one_line(&lost));
+        }
         let wanted = options.shard.share_of(options.samples);
-        bail!(Cancelled(format!("{files}: {} of {wanted} samples", shot.film.samples())));
+        bail!(Cancelled(format!("{files}: {} of {wanted} samples", film.samples())));
     }
     say(format!(
         "{files}: {} x {}, {} samples in {:.2} s, {}{}",
         options.width,
         options.height,
-        shot.film.samples(),
+        film.samples(),
         shot.render_seconds,
         rays_per_second(shot.rays_per_second()),
-        odd_samples(&shot.film)
-    ))
+        odd_samples(film)
+    ))?;
+    match lost {
+        Some(lost) => {
+            bail!(NoCheckpoint(format!("{}: the picture cannot be continued", one_line(&lost))))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Returns the failure of a checkpoint beside a picture that was written; other failures are those
+/// of the command.
+fn judge(
+    written: Option<Result<()>>,
+    saved: Option<Result<()>>,
+    checkpoint: Option<&Path>,
+) -> Result<Option<Error>> {
+    match (written, saved) {
+        (Some(Err(error)), saved) => {
+            match (saved, checkpoint) {
+                (Some(Err(lost)), _) => warn(one_line(&lost)),
+                (_, Some(kept)) => {
+                    warn(format!("{} has the samples: run again with --resume", kept.display()));
+                }
+                _ => {}
+            }
+            Err(error)
+        }
+        (None, Some(Err(error))) => Err(error),
+        (Some(Ok(())), Some(Err(lost))) => Ok(Some(lost)),
+        _ => Ok(None),
+    }
 }

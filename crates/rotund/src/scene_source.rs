@@ -1,9 +1,11 @@
 //! Which scene a command is about: one that is built in, or a file.
 
-use crate::built_in;
+use crate::message::warn;
+use crate::{built_in, memory};
 use anyhow::{Context, Error, Result, bail};
 use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene, Up};
-use std::path::Path;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 /// A scene and what to call it.
 #[derive(Debug)]
@@ -12,6 +14,8 @@ pub struct NamedScene {
     pub name: String,
     /// The scene, which has a camera.
     pub scene: Scene,
+    /// The files that the scene was read from; none for a built-in one.
+    pub files: Vec<PathBuf>,
 }
 
 /// Security, error recovery and defaults for loading a scene.
@@ -73,26 +77,28 @@ impl LoadArgs {
 ///
 /// If there is no such scene, the loader refuses it, or it has neither a camera nor any surface to
 /// aim one at.
-#[expect(clippy::print_stderr, reason = "warnings are for the person, not for a pipe")]
-pub fn load(name_or_path: &str, args: &LoadArgs) -> Result<NamedScene> {
+pub fn load(name_or_path: &OsStr, args: &LoadArgs) -> Result<NamedScene> {
     let (name, loaded) = load_silently(name_or_path, args)?;
     for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
+        warn(warning);
     }
     if loaded.scene.cameras.is_empty() {
         bail!("{name}: the scene has neither a camera nor anything to see");
     }
-    Ok(NamedScene { name, scene: loaded.scene })
+    Ok(NamedScene { name, scene: loaded.scene, files: loaded.files })
 }
 
 /// Loads a scene and its name, and leaves the warnings to the caller.
-pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(String, Loaded)> {
+pub(crate) fn load_silently(name_or_path: &OsStr, args: &LoadArgs) -> Result<(String, Loaded)> {
     let options = args.options();
-    if let Some(loaded) = built_in::load(name_or_path, &options) {
-        return Ok((name_or_path.to_owned(), loaded?));
+    let built_in = name_or_path.to_str().and_then(|name| built_in::load(name, &options));
+    let name = |path: &OsStr| path.to_string_lossy().into_owned();
+    if let Some(loaded) = built_in {
+        return Ok((name(name_or_path), loaded?));
     }
     let path = Path::new(name_or_path);
-    let is_path = name_or_path.contains(std::path::is_separator) || path.extension().is_some();
+    let is_path =
+        name(name_or_path).contains(std::path::is_separator) || path.extension().is_some();
     if !is_path {
         bail!(
             "there is no built-in scene {name_or_path:?}; there are {}, or give the path of a \
@@ -100,12 +106,12 @@ pub(crate) fn load_silently(name_or_path: &str, args: &LoadArgs) -> Result<(Stri
             built_in::names().collect::<Vec<_>>().join(", ")
         );
     }
+    memory::check_file(path)?;
     let loaded = rotund_scene::load(path, &options).map_err(|error| match *error.problem {
         LoadProblem::OutsideFolder { .. } => Error::msg(format!("{error}: --allow-outside")),
         _ => error.into(),
     })?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok((name, loaded))
+    Ok((name(path.file_stem().unwrap_or_default()), loaded))
 }
 
 /// Returns the index of the camera of that name, or of the first camera if `name` is `None`.

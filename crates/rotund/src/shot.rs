@@ -2,11 +2,13 @@
 
 use crate::cancel::Cancel;
 use crate::kinds::KindArgs;
+use crate::memory;
 use crate::progress::Meter;
 use crate::scene_source::{LoadArgs, NamedScene, find_camera, load};
 use anyhow::{Context, Result};
 use rotund_scene::Scene;
 use rotund_trace::{Film, Options, Sequence, World};
+use std::ffi::OsStr;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -70,12 +72,13 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// Loads the scene, and returns it with the index of the camera and the options of the render.
+    /// Loads a scene by its name or path, and returns it with the index of the camera and the
+    /// options of the render.
     ///
     /// # Errors
     ///
     /// If the scene cannot be loaded or has no such camera.
-    pub fn load(&self, scene: &str) -> Result<(NamedScene, usize, Options)> {
+    pub fn load(&self, scene: &OsStr) -> Result<(NamedScene, usize, Options)> {
         let scene = load(scene, &self.loading)?;
         let (camera, options) = self.shot.resolve(&scene)?;
         Ok((scene, camera, options))
@@ -128,7 +131,7 @@ pub struct Shot {
     pub rays: u64,
     /// Number of samples of all pixels that this run took.
     pub samples: u64,
-    /// True if Ctrl-C ended the render early: the film has fewer samples than asked for.
+    /// True if a signal ended the render early: the film has fewer samples than asked for.
     pub interrupted: bool,
 }
 
@@ -143,7 +146,7 @@ impl Shot {
 }
 
 /// Renders a scene by the methods of its shapes, with a progress meter under the name `label`.
-/// Ctrl-C ends the render early.
+/// A signal ends the render early.
 ///
 /// # Errors
 ///
@@ -180,22 +183,24 @@ fn take_from(
     options: &Options,
     label: &str,
 ) -> Result<Shot> {
+    memory::check_scene(scene)?;
     let start = Instant::now();
     let world = World::new(scene)?;
     let build_seconds = start.elapsed().as_secs_f64();
-    let shot = take_on(film, &world, camera, options, label, &mut |_| {})?;
+    let shot = take_on(film, &world, camera, options, label, &mut |_, _| {})?;
     Ok(Shot { build_seconds, ..shot })
 }
 
 /// Adds the samples that a film lacks, with a progress meter under the name `label`. `each_report`
-/// gets the film several times a second. Ctrl-C ends the render early.
+/// gets the film several times a second. A signal ends
+/// the render early.
 pub(crate) fn take_on(
     mut film: Film,
     world: &World<'_>,
     camera: usize,
     options: &Options,
     label: &str,
-    each_report: &mut dyn FnMut(&Film),
+    each_report: &mut dyn FnMut(&Film, Cancel),
 ) -> Result<Shot> {
     let cancel = Cancel::listen();
     let wanted = options.shard.share_of(options.samples);
@@ -205,12 +210,12 @@ pub(crate) fn take_on(
     world.resume(&mut film, camera, options, &mut |progress| {
         (rays, samples) = (progress.rays, progress.samples);
         meter.update(progress);
-        each_report(progress.film);
+        each_report(progress.film, cancel);
         if cancel.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     let render_seconds = start.elapsed().as_secs_f64();
-    meter.finish();
     let interrupted = film.samples() < wanted;
+    meter.finish(interrupted);
     Ok(Shot { film, build_seconds: 0.0, render_seconds, rays, samples, interrupted })
 }
 

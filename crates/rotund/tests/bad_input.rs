@@ -237,3 +237,72 @@ fn a_file_outside_the_folder_is_read_only_if_allowed() {
     let output = rotund(folder.path(), &["info", "inner/scene.json", "--allow-outside"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn control_characters_of_names_do_not_reach_the_terminal() {
+    let (folder, _) = scene("\"front\"", "\"fr\\u001b[31mont\"", TRIANGLE);
+    for arguments in [
+        &["info", "scene.json"][..],
+        &["info", "no\u{1b}[2J.json"],
+        &["render", "scene.json", "--camera", "x", "--out", "a.png"],
+        &["merge", "no\u{1b}[2J.film", "--out", "a.png"],
+        &["merge", "no\u{7}.film", "--out", "a.png"],
+    ] {
+        let Output { stdout, stderr, .. } = rotund(folder.path(), arguments);
+        let said = String::from_utf8([stdout, stderr].concat()).expect("text");
+        let has_control = said.contains(|c: char| c.is_control() && c != '\n');
+        assert!(!has_control && said.contains("\\u00"), "{arguments:?}: {said}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_scene_whose_name_is_not_utf_8_renders() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    let (folder, path) = scene("", "", TRIANGLE);
+    let name = OsStr::from_bytes(b"sc\xffne.json");
+    fs::rename(path, folder.path().join(name)).expect("moves the scene");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rotund"));
+    command.current_dir(folder.path()).arg("render").arg(name);
+    let output = command.args(["--resolution", "8", "--samples", "1", "--out", "a.png"]).output();
+    let output = output.expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn an_unknown_instruction_set_is_a_warning() {
+    let (folder, _) = scene("", "", TRIANGLE);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rotund"));
+    command.current_dir(folder.path()).env("ROTUND_ISA", "mmx").args(["info", "scene.json"]);
+    let output = command.output().expect("the program starts");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert!(said.starts_with("warning: the variable ROTUND_ISA is ignored: "), "{said}");
+    assert!(said.contains("\"mmx\"") && said.trim_end().ends_with(" is used"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn points_that_do_not_fit_into_memory_are_refused_in_a_line() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // Thirty million points, all at the origin: the file is a hole.
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 30000000\n\
+        property float x\nproperty float y\nproperty float z\nend_header\n";
+    let file = fs::File::create(folder.path().join("cloud.ply")).expect("a file");
+    std::io::Write::write_all(&mut &file, header.as_bytes()).expect("a header");
+    file.set_len(header.len() as u64 + 360_000_000).expect("a hole");
+    for (kilobytes, words) in [(600_000, "load cloud.ply"), (2_000_000, "build the trees")] {
+        let program = env!("CARGO_BIN_EXE_rotund");
+        let line = format!(
+            "ulimit -v {kilobytes}; exec {program} render cloud.ply --radius 1 \
+            --resolution 8 --samples 1 --out a.png"
+        );
+        let mut command = Command::new("sh");
+        let output = command.current_dir(folder.path()).args(["-c", &line]).output().expect("sh");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(5), "{said}");
+        let expected = format!("error: not enough memory to {words}");
+        assert!(said.starts_with(&expected) && said.lines().count() == 1, "{said}");
+    }
+}

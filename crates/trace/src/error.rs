@@ -31,8 +31,10 @@ pub enum RenderError {
 pub enum FilmError {
     #[error("a film of {width} x {height} has no pixels")]
     Empty { width: u32, height: u32 },
-    #[error("a film of {width} x {height} does not fit into memory: it takes 64 bytes a pixel")]
+    #[error("a film of {width} x {height} does not fit into memory: it takes 56 bytes a pixel")]
     TooLarge { width: u32, height: u32 },
     #[error("pixel ({x}, {y}) is outside of a film of {width} x {height}")]
     OutOfRange { x: u32, y: u32, width: u32, height: u32 },
+    #[error("a merge of some shards takes no more samples: add them to the shards")]
+    Merged,
 }

@@ -1,7 +1,7 @@
 //! Rendering a world into a film.
 
 use crate::context::{Arrived, Context};
-use crate::film::{Film, FilmSample, Limits, Progress};
+use crate::film::{Film, FilmHeader, FilmSample, Limits, Progress};
 use crate::{Options, RenderError, Sampler, View, World, camera_ray};
 use rotund_scene::Camera;
 use std::ops::ControlFlow;
@@ -77,16 +77,13 @@ impl World<'_> {
 }
 
 fn check_film(film: &Film, options: &Options) -> Result<(), RenderError> {
-    let shard = |index: u32, count: u32| format!("{}/{count}", index + 1);
+    let (film, options) = (film.header(), FilmHeader::for_options(options));
+    let shard = |header: &FilmHeader| header.shards.to_string().replacen("shard ", "", 1);
     let fields = [
         ("width", film.width.to_string(), options.width.to_string()),
         ("height", film.height.to_string(), options.height.to_string()),
         ("seed", film.seed.to_string(), options.seed.to_string()),
-        (
-            "shard",
-            shard(film.shard.index, film.shard.count),
-            shard(options.shard.index, options.shard.count),
-        ),
+        ("shard", shard(film), shard(&options)),
     ];
     for (field, film, options) in fields {
         if film != options {

@@ -6,8 +6,8 @@ use glam::Vec3;
 use rotund_scene::{Material, Scene, Shape, Trees};
 use rotund_trace::output::{load_film, save_film, write_layers};
 use rotund_trace::{
-    Film, FilmError, Image, Layers, Lights, MergeError, Options, Progress, RenderError, Shard,
-    View, World,
+    Film, FilmError, Image, Layers, Lights, MergeError, Options, Origin, Progress, RenderError,
+    Shard, View, World,
 };
 use std::error::Error as _;
 use std::ops::ControlFlow;
@@ -204,7 +204,7 @@ fn what_cannot_be_rendered_is_refused_and_the_culprit_is_named() {
         (
             0,
             Options { width: u32::MAX, height: u32::MAX, ..OPTIONS },
-            "a film of 4294967295 x 4294967295 does not fit into memory: it takes 64 bytes a pixel",
+            "a film of 4294967295 x 4294967295 does not fit into memory: it takes 56 bytes a pixel",
         ),
     ];
     for (camera, options, message) in table {
@@ -246,13 +246,53 @@ fn shards_make_the_same_picture_together() {
 
     let [a, b, c] = parts;
     let twice = Film::merge(&[a.clone(), b.clone(), b.clone()]);
-    assert_eq!(twice, Err(MergeError::Shards { index: 0, count: 3, times: 2 }));
+    assert_eq!(twice, Err(MergeError::Twice { index: 0, count: 3, times: 2 }));
     let missing = Film::merge(&[a.clone(), b.clone()]);
-    assert_eq!(missing, Err(MergeError::Shards { index: 1, count: 3, times: 0 }));
-    let other = c;
-    let other = other.with_seed(9);
-    assert_eq!(Film::merge(&[a, b, other]), Err(MergeError::Different { number: 3 }));
+    assert_eq!(missing, Err(MergeError::Missing { index: 1, count: 3, missing: 1 }));
+    // The film that is not like most others is named, wherever it stands.
+    let odd = a.clone().with_seed(9);
+    assert_eq!(
+        Film::merge(&[odd, b.clone(), c.clone()]),
+        Err(MergeError::Different { number: 1, usual: 2 })
+    );
+    let version = Origin { program: "another".into(), ..Origin::default() };
+    assert_eq!(
+        Film::merge(&[a.clone(), b.clone(), c.clone().with_origin(version)]),
+        Err(MergeError::Different { number: 3, usual: 1 })
+    );
+    let world = World::new(&scene).expect("a valid scene");
+    let options = Options { shard: Shard { index: 2, count: 3 }, ..LARGER };
+    let half = begun(&world, &options, 1);
+    assert!(!half.header().is_finished(), "it was interrupted");
+    let whole = |index| picture(&scene, &Options { shard: Shard { index, count: 3 }, ..LARGER }, 2);
+    let unfinished = Film::merge(&[whole(0), half, whole(1)]);
+    assert_eq!(unfinished, Err(MergeError::Unfinished { numbers: vec![2] }));
     assert_eq!(Film::merge(&[]), Err(MergeError::Nothing));
+}
+
+#[test]
+fn merges_nest_and_take_more_samples_when_they_are_whole() {
+    let scene = support::glass_over_a_floor();
+    let shard = |index| {
+        let options = Options { shard: Shard { index, count: 4 }, ..OPTIONS };
+        picture(&scene, &options, 2)
+    };
+    let pair = |a: u32, b: u32| {
+        let mut film = shard(a);
+        film.absorb(&shard(b)).expect("shards of one picture");
+        film
+    };
+    let (mut some, rest) = (pair(3, 1), pair(0, 2));
+    assert_eq!(some.header().shards.to_string(), "shards 2 and 4 of 4");
+    assert_eq!(some.absorb(&shard(1)), Err(MergeError::Twice { index: 1, count: 4, times: 2 }));
+    assert_eq!(some.add(0, 0, Vec3::ONE, true), Err(FilmError::Merged));
+    some.absorb(&rest).expect("the other shards");
+    assert_eq!(some, picture(&scene, &OPTIONS, 2));
+    let more = Options { samples: 12, ..OPTIONS };
+    let world = World::new(&scene).expect("a valid scene");
+    let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
+    world.resume(&mut some, 0, &more, go_on).expect("it is resumed");
+    assert_eq!(some, picture(&scene, &more, 2));
 }
 
 #[test]
@@ -264,7 +304,7 @@ fn a_damaged_checkpoint_is_refused() {
     let good = std::fs::read(&path).expect("it is there");
     let flipped: Vec<u8> =
         good.iter().enumerate().map(|(i, &byte)| if i == 9000 { byte ^ 4 } else { byte }).collect();
-    let older = [b"rotund film 002\n", &good[16..]].concat();
+    let older = [b"rotund film 003\n", &good[16..]].concat();
     let table: [(&str, &[u8], &str); 5] = [
         ("cut short", &good[..good.len() - 60], "damaged"),
         ("a bit flipped", &flipped, "damaged"),

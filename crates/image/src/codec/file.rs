@@ -4,10 +4,8 @@ use super::decode::decode;
 use super::encode::encode_to;
 use super::error::{ReadError, WriteError};
 use super::format::Format;
+use super::replace::write_with;
 use crate::Image;
-use std::error::Error;
-use std::fs::File;
-use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 impl Image {
@@ -51,39 +49,4 @@ impl Image {
             .ok_or_else(|| WriteError::UnknownFormat { path: path.into() })?;
         write_with(path, |file| encode_to(file, self, format))
     }
-}
-
-/// Writes a file under a temporary name in the same folder and renames it when it is complete, so
-/// that a reader sees the old content or the new, and a failure leaves nothing behind. `encode`
-/// writes the content; files of any kind can be written this way.
-///
-/// # Errors
-///
-/// If the folder cannot be written to, or `encode` fails.
-pub fn write_with<E: Into<Box<dyn Error + Send + Sync>>>(
-    path: impl AsRef<Path>,
-    encode: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
-) -> Result<(), WriteError> {
-    let path = path.as_ref();
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let create = |source| WriteError::Create { path: path.into(), source };
-    let encode_error = |source| WriteError::Encode { path: path.into(), source };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".rotund-").suffix(".part");
-    // A temporary file is readable by its owner alone by default; an image gets the usual
-    // permissions.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(folder).map_err(create)?;
-    {
-        let mut buffer = BufWriter::new(temporary.as_file());
-        encode(&mut buffer).map_err(|e| encode_error(e.into()))?;
-        buffer.flush().map_err(|e| encode_error(e.into()))?;
-    }
-    temporary.as_file().sync_all().map_err(|e| encode_error(e.into()))?;
-    temporary.persist(path).map_err(|e| encode_error(e.error.into()))?;
-    Ok(())
 }

@@ -10,10 +10,11 @@ mod format;
 mod hdr;
 mod openexr;
 mod size;
+mod replace;
 
 pub use decode::decode;
 pub use decoded::{Decoded, Samples};
 pub use encode::{EXR_ENCODING, encode};
 pub use error::{DecodeError, EncodeError, ReadError, WriteError};
-pub use file::write_with;
 pub use format::Format;
+pub use replace::{sweep, write_with};

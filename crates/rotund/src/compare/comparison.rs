@@ -1,7 +1,7 @@
 //! One scene by both methods.
 
 use super::subject::Subject;
-use crate::cancel::Cancelled;
+use crate::exit::Cancelled;
 use crate::output::write_text;
 use crate::scene_source::NamedScene;
 use crate::shot::{Shot, take, take_more};

@@ -6,13 +6,14 @@
 //! `report.html`. Several scenes get a page `index.html` above their folders.
 
 use crate::built_in;
-use crate::output::{prepare_folder, write_text};
+use crate::output::{check_distinct, prepare_folder, write_text};
 use crate::shot::PictureArgs;
 use anyhow::{Result, bail};
 use comparison::Comparison;
 use rotund_report::compare::index::{self, Entry};
 use rotund_report::console::say;
 use serde_json::Value;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use subject::Subject;
 
@@ -27,6 +28,18 @@ Examples:
   rotund compare vessels --overlap
   rotund compare --all --samples 16";
 
+/// Files in the folder of a scene.
+const FILES: [&str; 8] = [
+    "vanilla.png",
+    "vanilla.exr",
+    "enhanced.png",
+    "enhanced.exr",
+    "difference.png",
+    "flip.png",
+    "metrics.json",
+    "report.html",
+];
+
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -34,7 +47,7 @@ pub struct Args {
     /// Names of built-in scenes, or paths of JSON, PLY, OBJ, SWC, TCK, TRK, XYZ, TXT, CSV,
     /// PTS or ASC files.
     #[arg(value_name = "SCENE", required_unless_present = "all")]
-    scenes: Vec<String>,
+    scenes: Vec<OsString>,
     /// Compare all built-in scenes.
     #[arg(long, conflicts_with = "scenes")]
     all: bool,
@@ -58,7 +71,7 @@ pub struct Args {
 
 pub(crate) fn run(args: Args) -> Result<()> {
     let names = if args.all {
-        built_in::names().map(ToOwned::to_owned).collect()
+        built_in::names().map(OsString::from).collect()
     } else {
         args.scenes.clone()
     };
@@ -93,9 +106,12 @@ pub(crate) fn run(args: Args) -> Result<()> {
 
 /// Compares one scene and prints its table; returns its metrics, its page and its card in the
 /// index.
-fn one(args: &Args, name: &str, folder: Option<PathBuf>) -> Result<(Value, PathBuf, Entry)> {
+fn one(args: &Args, name: &OsStr, folder: Option<PathBuf>) -> Result<(Value, PathBuf, Entry)> {
     let (mut scene, camera, options) = args.picture.load(name)?;
     let folder = folder.unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let files = FILES.map(|name| folder.join(name));
+    let outputs: Vec<_> = files.iter().map(|path| ("--out", path.as_path())).collect();
+    check_distinct(&outputs, &scene.files)?;
     prepare_folder(&folder)?;
     let subject = Subject::new(args.overlap, args.picture.kinds.kinds());
     let equal_time = !args.no_equal_time;

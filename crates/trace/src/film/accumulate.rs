@@ -2,6 +2,7 @@
 
 use super::schedule::Schedule;
 use super::{Film, PixelSum};
+use crate::Shard;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
@@ -91,6 +92,10 @@ impl Film {
     /// Takes samples with the threads of the current rayon pool until every pixel has `samples`
     /// samples, or the part of them that belongs to the film's shard; see
     /// [`Self::accumulate_with`].
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::accumulate_with`].
     pub fn accumulate(
         &mut self,
         samples: u32,
@@ -111,6 +116,10 @@ impl Film {
     /// `progress` is called at least every 0.1 s, whatever the size of the film, as long as a
     /// single sample takes less than some milliseconds. If it returns [`ControlFlow::Break`], the
     /// film keeps the samples it has, and another call goes on from there.
+    ///
+    /// # Panics
+    ///
+    /// If the film is a merge of some of the shards of a picture.
     pub fn accumulate_with(
         &mut self,
         samples: u32,
@@ -129,13 +138,21 @@ impl Film {
         progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
     ) {
         let start = Instant::now();
-        let target = self.shard.share_of(samples);
-        let missing = |pixel: &PixelSum| u64::from(target.saturating_sub(pixel.samples));
-        let total = self.pixels.par_iter().with_min_len(1 << 14).map(missing).sum();
+        let shard = self.header.shards.only().expect("one shard, not a merge of some");
+        let target = shard.share_of(samples);
+        // The samples that are missing, and the most that a pixel has.
+        let count =
+            |pixel: &PixelSum| (u64::from(target.saturating_sub(pixel.samples)), pixel.samples);
+        let join = |a: (u64, u32), b: (u64, u32)| (a.0 + b.0, a.1.max(b.1));
+        let pixels = self.pixels.par_iter().with_min_len(1 << 14);
+        let (total, most) = pixels.map(count).reduce(|| (0, 0), join);
+        if most <= target {
+            self.header.wanted = samples;
+        }
         let mut schedule = Schedule::new(rayon::current_num_threads());
         let (mut taken, mut rays) = (0, 0);
-        while self.samples < target {
-            let pass = target.min(self.samples.saturating_add(schedule.pass_samples()));
+        while self.header.samples < target {
+            let pass = target.min(self.header.samples.saturating_add(schedule.pass_samples()));
             let mut next = 0;
             // Pixels that have the samples of this pass already come from an interrupted run, or
             // from a batch that ran out of time.
@@ -150,7 +167,7 @@ impl Film {
                     start: start_of_batch,
                 };
                 next = first;
-                let tally = self.take_batch(&batch, limits, integrator);
+                let tally = self.take_batch(&batch, shard, limits, integrator);
                 taken += tally.samples;
                 rays += tally.rays;
                 self.rejected += tally.rejected;
@@ -178,10 +195,11 @@ impl Film {
     fn take_batch(
         &mut self,
         batch: &Batch,
+        shard: Shard,
         limits: Limits,
         integrator: &(impl Fn(u32, u32, u32) -> FilmSample + Sync),
     ) -> Tally {
-        let (width, shard, minimum) = (self.width as usize, self.shard, self.samples);
+        let (width, minimum) = (self.header.width as usize, self.header.samples);
         let run = |(index, pixels): (usize, &mut [PixelSum])| {
             let mut tally = Tally::default();
             for (pixel, sum) in (index * batch.run..).zip(pixels) {

@@ -1,14 +1,16 @@
 //! The result of a render: exact sums of the samples of each pixel.
 
 mod accumulate;
+mod header;
 mod merge;
 mod pixel;
 mod schedule;
 
 pub(crate) use accumulate::Limits;
 pub use accumulate::{FilmSample, Progress};
+pub use header::{FilmHeader, Origin};
 pub use merge::MergeError;
-pub(crate) use pixel::PixelSum;
+pub(crate) use pixel::{PixelSum, Sum};
 
 use crate::{FilmError, Options, RenderError, Shard};
 use glam::Vec3;
@@ -36,82 +38,89 @@ use rotund_image::Image;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
+    pub(crate) header: FilmHeader,
     pub(crate) rejected: u64,
     pub(crate) fireflies: u64,
     pub(crate) clamped: u64,
-    pub(crate) seed: u64,
-    pub(crate) shard: Shard,
-    pub(crate) label: String,
     /// Row by row from the top.
     pub(crate) pixels: Vec<PixelSum>,
-    /// Number of samples that every pixel has: the minimum over the pixels.
-    samples: u32,
-    /// Number of pixels with exactly `samples` samples. When it reaches 0, the minimum has risen
-    /// and is computed anew, so reading it costs nothing however large the film is.
+    /// Number of pixels with exactly `header.samples` samples. When it reaches 0, the minimum has
+    /// risen and is computed anew, so reading it costs nothing however large the film is.
     behind: usize,
 }
 
 impl Film {
-    /// Makes a film without samples, of seed 0, undivided and without a label.
+    /// Makes a film without samples, of seed 0, undivided and of no origin.
     ///
     /// # Errors
     ///
     /// If a side is zero, or the pixels do not fit into memory.
     pub fn new(width: u32, height: u32) -> Result<Self, FilmError> {
-        let mut pixels = room(width, height)?;
-        pixels.resize(width as usize * height as usize, PixelSum::default());
-        Ok(Self::from_pixels(width, height, pixels))
+        Self::empty(FilmHeader {
+            width,
+            height,
+            seed: 0,
+            origin: Origin::default(),
+            wanted: 0,
+            shards: Shard::default().into(),
+            samples: 0,
+        })
     }
 
-    /// Makes a film without samples, of the size, seed and shard of `options`, for
-    /// [`crate::World::resume`].
+    /// Makes a film without samples, of the size, seed, shard and number of samples of `options`,
+    /// for [`crate::World::resume`].
     ///
     /// # Errors
     ///
     /// If [`Options::validate`] refuses the options, or the pixels do not fit into memory.
     pub fn for_options(options: &Options) -> Result<Self, RenderError> {
         options.validate()?;
-        let &Options { width, height, seed, shard, .. } = options;
-        Ok(Self { seed, shard, ..Self::new(width, height)? })
+        Ok(Self::empty(FilmHeader::for_options(options))?)
+    }
+
+    fn empty(header: FilmHeader) -> Result<Self, FilmError> {
+        let FilmHeader { width, height, .. } = header;
+        let mut pixels = room(width, height)?;
+        pixels.resize(width as usize * height as usize, PixelSum::default());
+        Ok(Self::from_pixels(header, pixels))
     }
 
     /// Makes a film of `width * height` sums.
-    pub(crate) fn from_pixels(width: u32, height: u32, pixels: Vec<PixelSum>) -> Self {
-        let mut film = Self {
-            width,
-            height,
-            rejected: 0,
-            fireflies: 0,
-            clamped: 0,
-            seed: 0,
-            shard: Shard::default(),
-            label: String::new(),
-            pixels,
-            samples: 0,
-            behind: 0,
-        };
+    pub(crate) fn from_pixels(header: FilmHeader, pixels: Vec<PixelSum>) -> Self {
+        let mut film = Self { header, rejected: 0, fireflies: 0, clamped: 0, pixels, behind: 0 };
         film.count_samples();
         film
+    }
+
+    /// Returns size, origin and samples of the film.
+    #[must_use]
+    pub fn header(&self) -> &FilmHeader {
+        &self.header
     }
 
     /// Returns the number of pixels in a row.
     #[must_use]
     pub fn width(&self) -> u32 {
-        self.width
+        self.header.width
     }
 
     /// Returns the number of rows.
     #[must_use]
     pub fn height(&self) -> u32 {
-        self.height
+        self.header.height
     }
 
     /// Returns the number of samples that every pixel has: the minimum over all pixels.
     #[must_use]
     pub fn samples(&self) -> u32 {
-        self.samples
+        self.header.samples
+    }
+
+    /// Returns the largest number of samples of a pixel, which after an interruption may be more
+    /// than [`Self::samples`].
+    #[must_use]
+    pub fn most_samples(&self) -> u32 {
+        self.pixels.iter().map(|pixel| pixel.samples).max().unwrap_or(0)
     }
 
     /// Returns the number of samples of one pixel, or `None` outside of the film.
@@ -143,43 +152,35 @@ impl Film {
     /// Returns the seed of the samples, which an integrator passes to [`crate::Sampler::new`].
     #[must_use]
     pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// Returns which samples of the picture the film holds.
-    #[must_use]
-    pub fn shard(&self) -> Shard {
-        self.shard
-    }
-
-    /// Returns the description of the picture; films of different labels do not merge.
-    #[must_use]
-    pub fn label(&self) -> &str {
-        &self.label
+        self.header.seed
     }
 
     /// Returns the same film with another seed.
     #[must_use]
     pub fn with_seed(self, seed: u64) -> Self {
-        Self { seed, ..self }
+        Self { header: FilmHeader { seed, ..self.header }, ..self }
     }
 
-    /// Returns the same film with a description of its picture, for what the film itself does not
-    /// know: scene, camera, number of bounces.
+    /// Returns the same film with the source of its samples; films of different origins do not
+    /// merge.
     #[must_use]
-    pub fn with_label(self, label: impl Into<String>) -> Self {
-        Self { label: label.into(), ..self }
+    pub fn with_origin(self, origin: Origin) -> Self {
+        Self { header: FilmHeader { origin, ..self.header }, ..self }
     }
 
     /// Adds one sample to a pixel. An invalid radiance counts as black and in [`Self::rejected`].
     ///
     /// # Errors
     ///
-    /// If the pixel is outside of the film.
+    /// If the pixel is outside of the film, or the film is a merge of some of the shards of a
+    /// picture, whose next sample is undefined.
     pub fn add(&mut self, x: u32, y: u32, radiance: Vec3, covered: bool) -> Result<(), FilmError> {
         let index = self.index(x, y)?;
+        let shard = self.header.shards.only().ok_or(FilmError::Merged)?;
         let pixel = &mut self.pixels[index];
-        let was_behind = pixel.samples == self.samples;
+        let was_behind = pixel.samples == self.header.samples;
+        let wanted = shard.sample_index(pixel.samples).saturating_add(1);
+        self.header.wanted = self.header.wanted.max(wanted);
         let valid = pixel.add(radiance.to_array(), covered);
         self.rejected += u64::from(!valid);
         self.advance(usize::from(was_behind));
@@ -191,24 +192,19 @@ impl Film {
     #[must_use]
     pub fn image(&self) -> Image {
         Image {
-            width: self.width,
-            height: self.height,
+            width: self.header.width,
+            height: self.header.height,
             pixels: self.pixels.iter().map(PixelSum::mean).collect(),
         }
     }
 
     fn index(&self, x: u32, y: u32) -> Result<usize, FilmError> {
-        let Self { width, height, .. } = *self;
+        let FilmHeader { width, height, .. } = self.header;
         if x < width && y < height {
             Ok(y as usize * width as usize + x as usize)
         } else {
             Err(FilmError::OutOfRange { x, y, width, height })
         }
-    }
-
-    /// True if all pixels have the same number of samples.
-    fn is_even(&self) -> bool {
-        self.behind == self.pixels.len()
     }
 
     /// Takes note that `count` pixels now have more samples than the minimum.
@@ -230,7 +226,7 @@ impl Film {
         let pixels = self.pixels.par_iter().with_min_len(1 << 14);
         let (samples, behind) =
             pixels.map(|pixel| (pixel.samples, 1)).reduce(|| (u32::MAX, 0), least);
-        (self.samples, self.behind) = (samples, behind);
+        (self.header.samples, self.behind) = (samples, behind);
     }
 }
 
@@ -261,11 +257,11 @@ mod tests {
         let add = |film: &mut Film, x| film.add(x, 0, Vec3::ONE, true).expect("a pixel");
         add(&mut film, 0);
         add(&mut film, 0);
-        assert_eq!((film.samples(), film.is_even()), (0, false));
+        assert_eq!((film.samples(), film.header().wanted), (0, 2));
         add(&mut film, 1);
-        assert_eq!((film.samples(), film.is_even()), (1, false));
+        assert_eq!((film.samples(), film.header().is_finished()), (1, false));
         add(&mut film, 1);
-        assert_eq!((film.samples(), film.is_even()), (2, true));
+        assert_eq!((film.samples(), film.header().is_finished()), (2, true));
         assert_eq!([0, 1, 2].map(|x| film.samples_at(x, 0)), [Some(2), Some(2), None]);
     }
 

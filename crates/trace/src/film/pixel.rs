@@ -1,11 +1,26 @@
 //! The sum of the samples of one pixel, in fixed point.
 
+/// A sum in steps of 2⁻⁵⁶: the low half of a `u128` and the high one. A `u128` itself is aligned to
+/// 16 bytes, which makes a pixel of 64 bytes, eight of them empty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sum(pub(crate) [u64; 2]);
+
+impl Sum {
+    fn get(self) -> u128 {
+        u128::from(self.0[0]) | u128::from(self.0[1]) << 64
+    }
+
+    fn add(&mut self, steps: u128) {
+        let sum = self.get() + steps;
+        self.0 = [sum as u64, (sum >> 64) as u64];
+    }
+}
+
 /// The sum of the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelSum {
-    /// Sums of red, green and blue in steps of 2⁻⁵⁶. A sample is less than 2³⁹, so 2³² samples do
-    /// not overflow.
-    pub(crate) radiance: [u128; 3],
+    /// Sums of red, green and blue. A sample is less than 2³⁹, so 2³² samples do not overflow.
+    pub(crate) radiance: [Sum; 3],
     /// Number of samples that met a surface or an environment.
     pub(crate) covered: u32,
     /// Number of samples.
@@ -27,7 +42,7 @@ impl PixelSum {
         let valid = radiance.iter().all(|&c| (0.0..LIMIT).contains(&c));
         if valid {
             for (sum, c) in self.radiance.iter_mut().zip(radiance) {
-                *sum += fixed(c);
+                sum.add(fixed(c));
             }
         }
         valid
@@ -38,15 +53,24 @@ impl PixelSum {
         self.samples += other.samples;
         self.covered += other.covered;
         for (radiance, other) in self.radiance.iter_mut().zip(other.radiance) {
-            *radiance += other;
+            radiance.add(other.get());
         }
+    }
+
+    /// Returns true if at most `most` samples can have made this sum. Sums from files are checked,
+    /// so that none can overflow later.
+    pub(crate) fn is_possible(&self, most: u32) -> bool {
+        let limit = u128::from(self.samples) << (39 + FRACTION_BITS);
+        self.samples <= most
+            && self.covered <= self.samples
+            && self.radiance.iter().all(|sum| sum.get() <= limit)
     }
 
     /// Returns mean radiance and coverage, rounded once; black and transparent without samples.
     pub(super) fn mean(&self) -> [f32; 4] {
         let count = f64::from(self.samples.max(1));
         let scale = (-f64::from(FRACTION_BITS)).exp2() / count;
-        let [r, g, b] = self.radiance.map(|sum| (sum as f64 * scale) as f32);
+        let [r, g, b] = self.radiance.map(|sum| (sum.get() as f64 * scale) as f32);
         [r, g, b, (f64::from(self.covered) / count) as f32]
     }
 }
@@ -114,7 +138,17 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_fills_one_cache_line() {
-        assert_eq!(size_of::<PixelSum>(), 64);
+    fn a_pixel_takes_56_bytes() {
+        assert_eq!(size_of::<PixelSum>(), 56);
+    }
+
+    #[test]
+    fn a_sum_that_its_samples_cannot_make_is_found() {
+        let mut bright = PixelSum::default();
+        assert!(bright.add([super::LIMIT.next_down(); 3], true));
+        assert!(bright.is_possible(1) && !bright.is_possible(0));
+        let overflowing = PixelSum { radiance: [super::Sum([0, u64::MAX]); 3], ..bright };
+        assert!(!overflowing.is_possible(u32::MAX));
+        assert!(!PixelSum { covered: 2, ..bright }.is_possible(9));
     }
 }

@@ -3,9 +3,9 @@
 mod checkpoint;
 mod layers;
 
-pub use checkpoint::{CheckpointError, load_film, save_film};
+pub use checkpoint::{CheckpointError, load_film, load_film_header, save_film, save_film_unless};
 pub use layers::write_layers;
-pub use rotund_image::{WriteError, write_with};
+pub use rotund_image::{WriteError, sweep, write_with};
 
 use crate::Film;
 use std::path::Path;
