@@ -156,7 +156,7 @@ fn bad_arguments_are_refused_before_any_work() {
         ),
         ("no such folder", &["render", "scene.json", "--out", "x/a.png"], 1, &["x"]),
         ("a file is no folder", &["compare", "scene.json", "--out", "one.ply"], 1, &["one.ply"]),
-        ("not an image", &["diff", "one.ply", "one.ply"], 1, &["one.ply", "exr"]),
+        ("not an image", &["diff", "one.ply", "one.ply"], 1, &["one.ply", "EXR"]),
     ];
     let (folder, _) = scene("", "", TRIANGLE);
     for (why, arguments, code, words) in table {

@@ -110,8 +110,8 @@ fn an_unknown_scene_is_refused_with_the_names_of_the_built_in_ones() {
     let output = rotund(folder.path(), &["compare", "shapes5"]);
     assert_eq!(output.status.code(), Some(1));
     let expected = "error: there is no built-in scene \"shapes5\"; there are glass, lights, \
-        patches, shapes1, shapes2, shapes3, shapes4, or give the path of a JSON, PLY, OBJ, SWC, \
-        TCK, TRK, XYZ, TXT, CSV, PTS or ASC file\n";
+        molecule, neuron, patches, shapes1, shapes2, shapes3, shapes4, tracts, vessels, or give \
+        the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ, TXT, CSV, PTS or ASC file\n";
     assert_eq!(String::from_utf8_lossy(&output.stderr), expected);
 }
 

@@ -152,9 +152,9 @@ fn bad_scenes() {
             &["scene.json", "\"json\"", "ply"],
         ),
         (
-            "a kind of image that nobody reads",
+            "a file that is no image",
             r#"{ "textures": [{ "uri": "scene.json" }] }"#.into(),
-            &["scene.json", "\"json\"", "png"],
+            &["scene.json", "no image", "PNG"],
         ),
         ("an image that is none", r#"{ "textures": [{ "uri": "bad.png" }] }"#.into(), &["bad.png"]),
         (

@@ -9,8 +9,8 @@ mod file;
 mod format;
 mod hdr;
 mod openexr;
-mod size;
 mod replace;
+mod size;
 
 pub use decode::decode;
 pub use decoded::{Decoded, Samples};

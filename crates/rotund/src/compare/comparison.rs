@@ -1,4 +1,4 @@
-//! One scene by both methods.
+//! Two pictures of one scene that differ in one thing.
 
 use super::subject::Subject;
 use crate::exit::Cancelled;
@@ -147,8 +147,8 @@ impl Comparison {
         write_text(&folder.join("report.html"), &self.report()?)
     }
 
-    /// Returns the content of `metrics.json`. In `difference`, `a` is the second picture and `b` the
-    /// first.
+    /// Returns the content of `metrics.json`. In `difference`, `a` is the second picture and `b` is
+    /// the first.
     pub(super) fn metrics(&self) -> Value {
         let names = self.names();
         let shots = self.shots.each_ref().map(|shot| {

@@ -1,9 +1,10 @@
-//! `compare <scenes>`: the same picture by both methods, and what changed.
+//! `compare <scenes>`: two pictures of a scene that differ in one thing, and what changed.
 //!
 //! Renders a scene vanilla and enhanced with equal seeds, or enhanced with overlapping elements
 //! separate and united. Then the faster render continues until it has taken as long as the other,
-//! for a comparison at equal time. The folder of a scene gets both pictures (PNG and EXR), `difference.png`, `flip.png`, `metrics.json` and
-//! `report.html`. Several scenes get a page `index.html` above their folders.
+//! for a comparison at equal time. The folder of a scene gets both pictures (PNG and EXR),
+//! `difference.png`, `flip.png`, `metrics.json` and `report.html`. Several scenes get a page
+//! `index.html` above their folders.
 
 use crate::built_in;
 use crate::output::{check_distinct, prepare_folder, write_text};

@@ -106,7 +106,7 @@ impl Mesh {
             return Ok(());
         }
         if missing + without_radius == count {
-            return Err(self.nothing_is_good());
+            return Err(self.nothing_is_good(0));
         }
         let stays = |vertex: &u32| kept[*vertex as usize];
         let before = self.lines.len() + self.points.len();
@@ -130,31 +130,35 @@ impl Mesh {
         for (number, &vertex) in (0..).zip(&vertices) {
             numbers[vertex as usize] = number;
         }
+        let first_bad = kept.iter().position(|kept| !kept);
+        if let Some(bad) = first_bad
+            && gone > 0
+            && self.faces.is_empty()
+            && self.lines.is_empty()
+            && self.points.is_empty()
+        {
+            return Err(self.nothing_is_good(bad));
+        }
         self.gather(&vertices);
         self.faces.for_each_vertex(|vertex| *vertex = numbers[*vertex as usize]);
         let ends = self.lines.as_flattened_mut().iter_mut();
         ends.chain(&mut self.points).for_each(|vertex| *vertex = numbers[*vertex as usize]);
-        if gone > 0 && self.faces.is_empty() && self.lines.is_empty() && self.points.is_empty() {
-            return Err(LoadProblem::EmptyShape);
-        }
         Ok(())
     }
 
-    /// Returns the error for the first vertex of a file without any that is good.
-    fn nothing_is_good(&self) -> LoadProblem {
-        let radius = self.radii.first().filter(|_| self.positions[0].is_finite());
+    /// Returns the error for a vertex of a file without any element that is good.
+    fn nothing_is_good(&self, vertex: usize) -> LoadProblem {
+        let radius = self.radii.get(vertex).filter(|_| self.positions[vertex].is_finite());
         let (property, value, expected) = match radius {
-            Some(radius) => {
-                ("radius", radius.to_string(), "a finite number that is not negative, as for all")
-            }
+            Some(radius) => ("radius", radius.to_string(), "a finite number that is not negative"),
             None => {
-                let position = listed(self.positions[0].as_ref());
-                ("position", position, "finite coordinates, of this or any other vertex")
+                let position = self.positions[vertex].to_string();
+                ("position", position, "finite coordinates")
             }
         };
         LoadProblem::ElementValue {
             element: "vertex".to_owned(),
-            index: 0,
+            index: vertex as u64,
             property: property.to_owned(),
             value,
             expected,
