@@ -4,7 +4,7 @@
 use super::{Mesh, polygons};
 use crate::{
     load::error::LoadProblem,
-    validate::{first_outside, is_color, is_radius, listed},
+    validate::{first_outside, is_color, is_radius},
 };
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
