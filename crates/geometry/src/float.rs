@@ -54,6 +54,41 @@ pub fn rounding_error(p: Vec3) -> f32 {
     FACTOR * (p.x + p.y + p.z) + f32::MIN_POSITIVE
 }
 
+/// Returns a bound on the distance between a surface and `p`, a point that was computed in `f64`
+/// within `off` of the surface and then rounded.
+///
+/// The rounding to `f32` is a share of the coordinates of `p`, which may be zero on a shape however
+/// large; `off` is a share of the size of the shape.
+#[inline(always)]
+pub(crate) fn error(p: Vec3, off: f64) -> f32 {
+    // A thousandth covers the conversion and the sum in `f32`.
+    rounding_error(p) + (1.001 * off) as f32
+}
+
+/// Half of `f64::EPSILON`, the bound on the relative error of one rounding to `f64`.
+pub(crate) const F64_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
+
+/// Returns a bound on the distance between a sphere of this radius and the tip of a vector `x` from
+/// its center, where `normal` is the computed `x / radius`.
+///
+/// It measures what a solution left, at whatever distance and incidence: `|x| - r` is
+/// `r (n² - 1) / (|n| + 1)`, and `|n| + 1` is 2 but for the thousandth in [`error`]. The computed
+/// `n` has four roundings, `n²` three, which halve, and adding the center to `x` rounds by a share
+/// of the position, which [`rounding_error`] covers, and one of `x`, at most `√3 r`. That is fewer
+/// than eight.
+#[inline(always)]
+pub(crate) fn off_sphere(radius: f64, normal: DVec3) -> f64 {
+    radius * (0.5 * (normal.dot(normal) - 1.0).abs() + 8.0 * F64_ROUNDOFF)
+}
+
+/// Returns a bound on the rounding in `f64` of a point in the hull of `corners`, as so many
+/// roundings of the largest coordinates.
+#[inline(always)]
+pub(crate) fn off_hull<const N: usize>(corners: [Vec3; N], roundings: f64) -> f64 {
+    let largest = corners.iter().fold(Vec3::ZERO, |sum, p| sum.max(p.abs()));
+    roundings * F64_ROUNDOFF * f64::from(largest.x + largest.y + largest.z)
+}
+
 /// Rounds each coordinate to `f32`, once.
 #[inline]
 pub(crate) fn round(p: DVec3) -> Vec3 {
