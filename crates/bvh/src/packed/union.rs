@@ -252,7 +252,7 @@ impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Piece> {
-        let slab_ray = SlabRay::new(self.here)?;
+        let slab_ray = SlabRay::new(self.here, self.pieces.packed.tree.range)?;
         let end = if self.best.is_some() { self.here.t_max } else { self.here.t_min };
         let limit = slab_ray.limit(end);
         let mut visitor = AroundVisitor::<S, P> {
@@ -330,7 +330,9 @@ impl<P: Kernel + Solid> WithSimd for FindPieces<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let Some(slab_ray) = SlabRay::new(self.ray) else { return SmallVec::new() };
+        let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else {
+            return SmallVec::new();
+        };
         let limit = slab_ray.limit(self.ray.t_max);
         let mut visitor = PiecesVisitor::<S, P> {
             pieces: Pieces { packed: self.packed, ray: self.ray },
@@ -385,7 +387,7 @@ impl<P: Kernel + Solid, F: Fn(u32, &P) -> bool> WithSimd for Contains<'_, P, F> 
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
-        let Some(slab_ray) = SlabRay::new(self.ray) else { return false };
+        let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else { return false };
         let limit = slab_ray.limit(self.ray.t_max);
         let lanes = P::lanes(simd, &slab_ray);
         let mut visitor = ContainsVisitor::<S, P, F> { find: &self, lanes, limit };

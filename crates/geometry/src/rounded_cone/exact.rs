@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::Ray;
-use crate::double_double::{DoubleDouble, Real};
+use crate::double_double::{DoubleDouble, ON_SURFACE, Real};
 use crate::filter::{CANCELLATION, FAR};
 use crate::origin_side::{self, OriginSide};
 
@@ -73,6 +73,7 @@ pub(crate) fn solve_in_double_double(
 /// Returns the first of `ends` in the interval of the ray. If a difference keeps less than the
 /// share `allowed` of its terms, the numbers have too few digits.
 fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -> Attempt {
+    let at_origin = if allowed > 0.0 { 0.0 } else { ON_SURFACE };
     let r = [R::exact(cone.r0), R::exact(cone.r1)];
     let rho = r[0] - r[1];
     let (p0, d, o) = (exact::<R>(cone.p0), exact::<R>(ray.direction), exact::<R>(ray.origin));
@@ -153,7 +154,12 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
             if difference.nearest().abs() < allowed * scale {
                 return Attempt::TooFewDigits;
             }
-            (difference / a, y / width)
+            let t = if difference.nearest().abs() <= at_origin * scale {
+                R::ZERO
+            } else {
+                difference / a
+            };
+            (t, y / width)
         } else if y < R::ZERO || y > width {
             // The cap, intersected as a sphere.
             let i = usize::from(y > width);
@@ -169,7 +175,11 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
                 return Attempt::Found(None);
             }
             let root = chord.square_root();
-            let g = dot(center, center) - radius * radius;
+            let square0 = dot(center, center);
+            let mut g = square0 - radius * radius;
+            if g.nearest().abs() <= at_origin * square0.nearest() {
+                g = R::ZERO;
+            }
             let ahead = along >= R::ZERO;
             let q = if ahead { -along - root } else { root - along };
             let from_product = entry != ahead;

@@ -242,8 +242,8 @@ impl Solve for RoundedCone {
         // The center of the ball has a rounding of `e` and one of the product, and its radius two
         // of `s ρ`, which is shorter than `s e`. The rounding of the sum is one of the position and
         // one of `from_ball`, as for a sphere.
-        let off = off_sphere(r0 + s * (r1 - r0), normal)
-            + 4.0 * F64_ROUNDOFF * s * e.abs().element_sum();
+        let off =
+            off_sphere(r0 + s * (r1 - r0), normal) + 4.0 * F64_ROUNDOFF * s * e.abs().element_sum();
         Hit {
             t,
             position,
