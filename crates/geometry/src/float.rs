@@ -13,6 +13,11 @@ pub const UNIT_ROUNDOFF: f32 = 0.5 * f32::EPSILON;
 /// is `position` moved by `error` along the normal, to the side that `direction` points to, and
 /// rounded outwards in each coordinate: the smallest step that the error allows.
 ///
+/// That is enough on the outer side of a convex surface. On the inner side rounding along the
+/// surface must not leave it, so there the radius of curvature must be at least 16 times the
+/// [`rounding_error`] of `position`: a millionth of its coordinates. Inside of a smaller sphere
+/// there are few `f32`, or none.
+///
 /// Source: M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering", section 6.8.6 (robust
 /// spawned ray origins), 4th edition, 2023.
 #[must_use]
@@ -39,8 +44,10 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
 /// Returns a bound on the distance between a point that was computed in `f64` and `p`, the same
 /// point rounded to `f32`.
 ///
-/// This is the [`Hit::error`](crate::Hit::error) of all shapes of this crate. Your own
-/// [`Primitive`](crate::Primitive) may use it if it computes its point in `f64` and rounds it once.
+/// It is nearly all of the [`Hit::error`](crate::Hit::error) of the shapes of this crate, which adds
+/// a few roundings of `f64`, in proportion to the size of the shape. Your own
+/// [`Primitive`](crate::Primitive) may use it if it computes its point in `f64` and rounds it once,
+/// and should add the error in `f64` if the shape may be large and pass the origin of coordinates.
 ///
 /// Each coordinate moves by at most `u |p_i|`, with `u` = [`UNIT_ROUNDOFF`], or by half of the
 /// smallest subnormal number. The sum of the three coordinates bounds the length without a square

@@ -30,6 +30,8 @@
 //!   later one, and a ray that starts inside a solid finds where it leaves. The ray enters the
 //!   solid, or comes from the front of a surface, if `normal.dot(direction)` is negative, and
 //!   leaves otherwise. To find the next crossing of the same shape, set `t_min` to `t.next_up()`.
+//! - A ray that starts exactly on a sphere, a rounded cone or a patch, to 2⁻⁹⁰ of the size, crosses
+//!   it at `t = 0`, whichever way it goes. On triangles and quads rounding decides.
 //! - The normal of a patch, a triangle or a quad points to the side from which its parameters turn
 //!   counter-clockwise.
 //! - Lengths have any unit. Angles are in radians.
@@ -85,13 +87,16 @@
 //! | `normal` | `1e-5` degrees |
 //! | `normal` of a patch | `2e-5` degrees; `5e-4` if grazing to `1e-9`; more at a collapsed edge |
 //! | `position(uv(hit))` | `1.0 u` from the surface, up to `8 u` along it, since `uv` are `f32` |
-//! | a ray from [`Hit::spawn`] | never hits a sphere or a cone again from outside |
+//! | a ray from [`Hit::spawn`] | never hits a sphere or a cone again from outside, and starts inside if it goes there, if no radius is below `16 u` times the sum of the coordinates |
 //! | a ray at a shared edge or corner of patches | one hit, whatever the order of the corners |
 //!
 //! `tests/` checks all of this against arithmetic of 106 bits; `cargo xtask accuracy` compares it
 //! with the published methods. The bounds hold for an origin up to 2²⁶ sizes away, and for a cone
 //! up to 10⁶ radii long. From farther away, the position on a round shape may lie outside of its
 //! box, by rounding. They do not hold near `f32::MAX`: a coordinate beyond it is infinite.
+//!
+//! [`Hit::error`] bounds the rounding to `f32`, and what the `f64` solution has lost: next to the
+//! origin of coordinates, where `f32` resolves much more than the shape needs, that is all.
 //!
 //! # Features
 //!

@@ -78,6 +78,33 @@ fn a_ray_that_starts_exactly_on_a_surface_hits_it_there_whichever_way_it_goes() 
     }
 }
 
+#[test]
+fn a_ray_exactly_along_a_ruling_misses() {
+    let mut random = Random(6);
+    let mut count = 0;
+    while count < 20_000 {
+        let (scale, by) = placed(&mut random);
+        let mut vector = |size: f64| (random.direction() * size).round().as_vec3();
+        let (start, end) = (vector(40.0), vector(40.0));
+        let (a, b) = (vector(20.0), vector(20.0));
+        if start.distance(end) < 8.0 {
+            continue;
+        }
+        count += 1;
+        // The ruling from `start` to `end` is that of u = 1/2 or 1/4.
+        let (share, at) = ([1.0, 3.0][count % 2], |p: Vec3| by + scale * p);
+        let [p00, p10, p01, p11] = [start - a, start + share * a, end - b, end + share * b].map(at);
+        let patch = BilinearPatch { p00, p10, p01, p11 };
+        let exchanged = BilinearPatch { p10: p01, p01: p10, ..patch };
+        let along = end - start;
+        let ray = Ray::new(at(start - 2.0 * along), scale * along);
+        for patch in [patch, exchanged] {
+            assert_eq!(patch.closest(&ray), None, "{patch:?} {ray:?}");
+            assert!(!patch.any(&ray), "{patch:?} {ray:?}");
+        }
+    }
+}
+
 /// The distance of a point from the cylinder of this radius about an axis parallel to x.
 fn off_cylinder(p: Vec3, axis: Vec3, radius: f32) -> f64 {
     let p = wide(p) - wide(axis);

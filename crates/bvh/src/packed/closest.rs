@@ -40,8 +40,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
             return None;
         }
         let block = &self.packed.blocks[best.block];
-        // A certain hit is one of the exact test, unless its `t` is beyond the range of `f32`, as
-        // with directions shorter than 1e-30. Then the exact test decides: there is none.
+        // A certain hit is one of the exact test.
         let hit = P::unpack(block, best.lane).exact_hit::<M>(self.ray)?;
         Some(PrimitiveHit { id: best.id, hit })
     }

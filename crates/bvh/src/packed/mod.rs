@@ -79,8 +79,7 @@ pub type TriangleTree = Packed<Triangle>;
 /// instruction set. The wide test of a leaf works in `f32`, where products of three lengths must
 /// not overflow. So it is used for coordinates, with radii, and origins of rays of up to
 /// `2³⁸ = 2.7e11` in absolute value. For rays from farther away, and for all rays if one primitive
-/// reaches farther, each primitive of a leaf gets the exact test, which is two to five times
-/// slower.
+/// reaches farther, each primitive of a leaf gets the exact test, which is slower.
 #[derive(Clone, Debug)]
 pub struct Packed<P: Kernel> {
     tree: Tree,

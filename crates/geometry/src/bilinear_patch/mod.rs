@@ -31,8 +31,9 @@ use image::Root;
 ///
 /// If two corners coincide, the patch is a curved triangle, and its normal at that corner is the
 /// limit. A patch without area, a flat patch seen edge-on, and one with a corner that is not finite
-/// miss. If the ray runs along a ruling, a straight line in the surface, the hit is the middle of
-/// the ruling.
+/// miss. A ray exactly along a ruling, a straight line in the surface, has no single crossing, and
+/// misses like one in the plane of a flat patch. If its rounding moves it off the ruling, it hits
+/// where the moved ray crosses the surface, if it does.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};

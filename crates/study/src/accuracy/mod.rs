@@ -67,7 +67,8 @@ pub struct Args {
     /// Write the report, index.html, to this folder.
     #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
     out: PathBuf,
-    /// Fail if one of the library's own methods misses a target, and list each row that does.
+    /// Fail if one of the library's own methods misses a target, or a hit of an instance its bound,
+    /// and list each row that does.
     #[arg(long)]
     check: bool,
     /// Print one case of a report with the answer of every method.
