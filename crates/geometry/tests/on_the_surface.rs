@@ -60,6 +60,10 @@ fn a_ray_that_starts_exactly_on_a_surface_hits_it_there_whichever_way_it_goes() 
         rays_from(&mut random, on_body, rim.as_dvec3().normalize(), |ray| {
             assert_eq!(tube.closest_t(&ray), Some(0.0), "{tube:?} {ray:?}");
         });
+        // A tangent touches it where it does, and not at its own origin.
+        let along = Vec3::new(1.0, -rim.z, rim.y);
+        let tangent = Ray::new(on_body - 8.0 * scale * along, scale * along);
+        assert_eq!(tube.closest_t(&tangent), Some(8.0), "{tube:?} {tangent:?}");
 
         // A patch of small integers, at parameters that are multiples of a sixteenth.
         let mut corner = |x: f32, y: f32| {

@@ -28,7 +28,7 @@
 //!
 //! But the errors also move the point along the plane, by a distance `s` of at most the sum of
 //! `e`, `|o|`, and `3 u |W| |P|`, by which `leave_surface` rounds outwards. In frames that are no
-//! similarity the step itself does so, by at most the slant `|M⁻¹ N|` across `n` times its height.
+//! similarity the step itself does so, by the part of `M⁻¹ N` across `n`.
 //! There a surface of curvature `κ` lies `κ s² / 2` below the plane, or a little more. A point
 //! `κ s²` below it is inside of a sphere, as long as that is not more than the radius; and the
 //! distance of the surface never exceeds `s` more than that of the plane. So
@@ -66,8 +66,8 @@ pub(crate) struct Frame {
     offset: Vec3A,
     /// Bound on the length of `W x` per length of `x`.
     shrink: f32,
-    /// Bound on the distance across `n` that a step along `N` moves, per distance along `n`.
-    slant: f32,
+    /// Whether steps along `N` are along `n` too.
+    similarity: bool,
     identity: bool,
 }
 
@@ -100,11 +100,10 @@ impl Frame {
         // The spectral norm is at most the root of the largest sums of columns and of rows.
         let largest_sum = |m: DMat3| (m.x_axis + m.y_axis + m.z_axis).max_element();
         let shrink = (largest_sum(w_abs) * largest_sum(w_abs.transpose())).sqrt();
-        // With `S = M⁻¹ M⁻ᵀ`, the step is along `S n`. Across `n` it is no longer than
-        // `(S - c I) n`, whatever `c`, and along `n` at least `1 / |S⁻¹|`.
+        // A step is along `M⁻¹ M⁻ᵀ n`.
         let square = inverse.matrix3 * inverse.matrix3.transpose();
         let mean = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
-        let slant = norm(square - mean * DMat3::IDENTITY) * norm(m.matrix3.transpose() * m.matrix3);
+        let similarity = norm(square - mean * DMat3::IDENTITY) < 1e-4 * mean;
         Self {
             world_from_object,
             object_from_world,
@@ -112,7 +111,7 @@ impl Frame {
             slope: Mat3A::from(slope.as_mat3()),
             offset: offset.as_vec3a(),
             shrink: shrink as f32,
-            slant: slant as f32,
+            similarity,
             identity: world_from_object == Affine3A::IDENTITY,
         }
     }
@@ -144,7 +143,12 @@ impl Frame {
         let plane_error = hit.error + Vec3A::from(hit.normal).abs().dot(off);
         let position = self.world_from_object.transform_point3(hit.position);
         let outwards = 3.0 * UNIT_ROUNDOFF * self.shrink * position.length();
-        let along = hit.error + off.length() + outwards + self.slant * plane_error;
+        let mut along = hit.error + off.length() + outwards;
+        if !self.similarity {
+            let (step, height) = (self.object_from_world.matrix3 * normal, length * length);
+            let across = step.length_squared() - height * height;
+            along += plane_error * across.max(0.0).sqrt() / height;
+        }
         // The order of the arguments replaces a NaN, of no distance and infinite curvature.
         let object_error = plane_error + (curvature() * (along * along)).min(along);
         WorldHit {

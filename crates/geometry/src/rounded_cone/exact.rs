@@ -150,15 +150,13 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
             let difference = theta - b;
             let share = moment2.nearest() / discriminant.nearest();
             let terms: f64 = (0..3).map(|i| (f[i] * d[i]).nearest().abs()).sum();
-            let scale = share * theta.nearest().abs().max(terms).max(other_terms);
-            if difference.nearest().abs() < allowed * scale {
+            let size = theta.nearest().abs().max(terms);
+            if difference.nearest().abs() < allowed * (share * size.max(other_terms)) {
                 return Attempt::TooFewDigits;
             }
-            let t = if difference.nearest().abs() <= at_origin * scale {
-                R::ZERO
-            } else {
-                difference / a
-            };
+            // A share that grows without limit towards tangents must not reach the origin.
+            let on_surface = difference.nearest().abs() <= at_origin * size;
+            let t = if on_surface { R::ZERO } else { difference / a };
             (t, y / width)
         } else if y < R::ZERO || y > width {
             // The cap, intersected as a sphere.

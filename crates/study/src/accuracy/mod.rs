@@ -141,8 +141,8 @@ pub fn run(args: Args, load: &dyn Fn(&str) -> Result<(String, Scene)>) -> Result
         options.all_methods().join(", ")
     );
     let mut verdicts = targets::verdicts(&study);
-    // Hits of instances belong to no family and to the library's own method.
-    if options.families.is_empty() && options.methods.is_empty() {
+    // Hits of instances belong to no family, and to the library's own method.
+    if options.families.is_empty() && !verdicts.is_empty() {
         let is_measured = |shape: &str| study.shapes.iter().any(|it| it.shape == shape);
         verdicts.extend(placed::verdicts(options.rays, options.seed, is_measured));
     }
