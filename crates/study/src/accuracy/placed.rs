@@ -169,6 +169,11 @@ fn tally<E: Element>(frame: &Affine3A, random: &mut Random) -> Tally {
         let Some(hit) = trees.closest(&scene, &ray) else { continue };
         tally.hits += 1;
         let along = object.crossings(&element, hit.position, hit.normal);
+        let from_edge = hit.uv.min(1.0 - hit.uv).min_element();
+        if !E::CONVEX && along.is_empty() && from_edge < 0.1 {
+            // The line along the normal passes beside the edge.
+            continue;
+        }
         let apart = along.iter().map(|t| t.abs()).fold(f64::INFINITY, f64::min);
         tally.share = tally.share.max(apart / f64::from(hit.error));
         tally.outside_of_bound += u64::from(apart > f64::from(hit.error));
