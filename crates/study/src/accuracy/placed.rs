@@ -20,7 +20,8 @@ use crate::wide::{Wide, Wide3};
 const BATCH: u64 = 50;
 
 /// Radii of curvature are at least this many roundings of the coordinates: with fewer, no number is
-/// inside of a sphere for certain. Products with a rotated frame have more roundings.
+/// inside of a sphere for certain. Products with a rotated frame have more roundings, and where a
+/// frame stretches, a step along the normal of the world moves across that of the object.
 const LEAST: [f64; 2] = [10.0, 40.0];
 
 /// An element that can be the only one of a scene.
@@ -150,7 +151,7 @@ fn tally<E: Element>(frame: &Affine3A, random: &mut Random) -> Tally {
     // What is one unit of the last place of the world, in object space.
     let stretch = flattening(frame);
     let far = frame.inverse().matrix3 * frame.translation;
-    let far = f64::from(far.length()) + stretch * stretch;
+    let far = (f64::from(far.length()) + stretch * stretch) * stretch;
     let is_moved = frame.matrix3 == glam::Mat3A::IDENTITY;
     let least = LEAST[usize::from(!is_moved)] * far * 2f64.powi(-24);
     let size = least * (1.0f64.max(0.7 / least)).powf(random.unit());
