@@ -87,13 +87,16 @@
 //! | `normal` | `1e-5` degrees |
 //! | `normal` of a patch | `2e-5` degrees; `5e-4` if grazing to `1e-9`; more at a collapsed edge |
 //! | `position(uv(hit))` | `1.0 u` from the surface, up to `8 u` along it, since `uv` are `f32` |
-//! | a ray from [`Hit::spawn`] | never hits a sphere or a cone again from outside, and starts inside if it goes there, if no radius is below `16 u` times the sum of the coordinates |
+//! | a ray from [`Hit::spawn`] | never hits a sphere or a cone again from outside |
 //! | a ray at a shared edge or corner of patches | one hit, whatever the order of the corners |
 //!
 //! `tests/` checks all of this against arithmetic of 106 bits; `cargo xtask accuracy` compares it
 //! with the published methods. The bounds hold for an origin up to 2²⁶ sizes away, and for a cone
 //! up to 10⁶ radii long. From farther away, the position on a round shape may lie outside of its
 //! box, by rounding. They do not hold near `f32::MAX`: a coordinate beyond it is infinite.
+//!
+//! A ray from [`Hit::spawn`] into a sphere or a cone starts inside, if its radii are at least 16
+//! times the [`rounding_error`] of the place.
 //!
 //! [`Hit::error`] bounds the rounding to `f32`, and what the `f64` solution has lost: next to the
 //! origin of coordinates, where `f32` resolves much more than the shape needs, that is all.
