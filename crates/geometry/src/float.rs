@@ -44,8 +44,8 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
 /// Returns a bound on the distance between a point that was computed in `f64` and `p`, the same
 /// point rounded to `f32`.
 ///
-/// It is nearly all of the [`Hit::error`](crate::Hit::error) of the shapes of this crate, which adds
-/// a few roundings of `f64`, in proportion to the size of the shape. Your own
+/// It is nearly all of the [`Hit::error`](crate::Hit::error) of the shapes of this crate, which
+/// adds a few roundings of `f64`, in proportion to the size of the shape. Your own
 /// [`Primitive`](crate::Primitive) may use it if it computes its point in `f64` and rounds it once,
 /// and should add the error in `f64` if the shape may be large and pass the origin of coordinates.
 ///

@@ -29,8 +29,8 @@
 //!
 //! # Which form of the root
 //!
-//! If `K1 >= 0`, both terms of the entry have one sign. Otherwise they cancel, and the entry also is
-//! `K0 / (S - K1)` with `S = a sqrt(d2 D)`. Both terms of `K0` are negative if the line passes
+//! If `K1 >= 0`, both terms of the entry have one sign. Otherwise they cancel, and the entry also
+//! is `K0 / (S - K1)` with `S = a sqrt(d2 D)`. Both terms of `K0` are negative if the line passes
 //! within `r0` of `p0`: no digit cancels. If it passes farther away, `|K0|` may be as little as
 //! `r² a / |w|²` of its terms, which on a slender cone leaves no digit at all: a hit halfway along
 //! `10⁵` radii would be off by `10⁻⁵` radii. Then the difference is the better form: the error of
