@@ -7,7 +7,8 @@
 //!
 //! A *tie* is a decision that hangs on less than 2⁻⁹⁰ of the numbers compared. Truth cannot make
 //! it, so either answer counts as right: whether two bodies are one, or whether a boundary on
-//! which a ray starts counts. In the latter case the other boundaries of the ray are checked all the same.
+//! which a ray starts counts. In the latter case the other boundaries of the ray are checked
+//! all the same.
 
 use std::ops::ControlFlow;
 
