@@ -66,8 +66,7 @@ pub struct SlabRay {
 impl SlabRay {
     /// Prepares a ray for a tree of this [`range`](crate::node::Tree::range). Returns `None` for
     /// one that cannot hit anything: with an origin or direction that is not finite, a zero
-    /// direction,
-    /// an empty interval, or a NaN.
+    /// direction, an empty interval, or a NaN.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, range: f32) -> Option<Self> {
         Self::within(ray, range).or_else(|| Self::beyond_range(ray))

@@ -23,8 +23,7 @@ pub struct SceneHit {
     /// of the transforms to object space and back, and the curvature of the surface along which
     /// rounding moves. [`Self::spawn`] steps off the surface by it, to either side of surfaces
     /// whose radius of curvature is not below a few roundings of the position: 10 if the frame
-    /// only moves
-    /// the instance, 40 in others, and more where a frame stretches.
+    /// only moves the instance, 40 in others, and more where a frame stretches.
     pub error: f32,
 }
 
