@@ -47,6 +47,13 @@ use rotund_geometry::{Aabb, Hit, Ray, UNIT_ROUNDOFF};
 /// rounding of the bounds themselves.
 const U: f64 = 1.01 * UNIT_ROUNDOFF as f64;
 
+/// Bound on the relative error of three products and three sums, `4 u / (1 - 4 u)`, rounded up for
+/// the rounding of the bounds themselves.
+///
+/// Source: N. J. Higham, "Accuracy and Stability of Numerical Algorithms", 2nd edition, chapter 3,
+/// 2002.
+const GAMMA: f64 = 4.01 * UNIT_ROUNDOFF as f64;
+
 /// The errors of rays that start anywhere, as a multiple of the errors of those that start at hits.
 ///
 /// The products with a far origin are rounded in proportion to its distance, by up to `3 u |W|`.
@@ -84,9 +91,6 @@ impl Frame {
         let inverse = m.inverse();
         let object_from_world = inverse.as_affine3a();
         let w = object_from_world.as_daffine3();
-        let abs = |matrix: DMat3| {
-            DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
-        };
         let (m_abs, w_abs) = (abs(m.matrix3), abs(w.matrix3));
         let (out, back) = (U * roundings(world_from_object), U * roundings(object_from_world));
         let out = w_abs * (DMat3::from_diagonal(out) + U * DMat3::IDENTITY) * m_abs;
@@ -166,14 +170,27 @@ impl Frame {
     /// A ribbon, that is a vanilla point or line, has no sides: a ray leaves it from its middle,
     /// and rounding decides whether the closest approach lies before or after the start. Anything
     /// nearer than this bound is taken for the ribbon that the ray left.
+    ///
+    /// The closest approach of a ray along a ribbon is farther from its start than the ribbon is,
+    /// hence the margin [`RAYS`]. Where products are rounded, [`GAMMA`] for each transform has margin
+    /// enough, and ignores less of what is near.
     pub(crate) fn ribbon_start(&self, bounds: Aabb) -> f32 {
         if bounds.is_empty() {
             return 0.0;
         }
         let farthest = Vec3A::from(bounds.min.abs().max(bounds.max.abs()));
+        let [m, w] = [self.world_from_object, self.object_from_world].map(|a| a.as_daffine3());
+        let residual = w * m;
+        let (m_abs, w_abs) = (abs(m.matrix3), abs(w.matrix3));
+        let far = farthest.as_dvec3();
+        let plain = 2.0 * GAMMA * (w_abs * (m_abs * far + m.translation.abs()))
+            + abs(residual.matrix3 - DMat3::IDENTITY) * far
+            + residual.translation.abs()
+            + GAMMA * w.translation.abs();
+        let off = (RAYS * (self.slope * farthest + self.offset)).element_sum();
         // The sum of the coordinates bounds both the length and the rounding inside the primitive.
-        let off = RAYS * (self.slope * farthest + self.offset);
-        let off = off.element_sum() + 2.0 * UNIT_ROUNDOFF * farthest.element_sum();
+        let off =
+            off.min(plain.element_sum() as f32) + 2.0 * UNIT_ROUNDOFF * farthest.element_sum();
         let matrices = [self.world_from_object.matrix3, self.object_from_world.matrix3];
         let [forth, back] = matrices.map(|m| norm(m.as_dmat3()));
         let stretch = (forth * back) as f32;
@@ -200,6 +217,11 @@ impl Frame {
             max: Vec3::new(high.x.next_up(), high.y.next_up(), high.z.next_up()),
         }
     }
+}
+
+/// Returns the absolute values of all entries.
+fn abs(m: DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
 /// Returns the Frobenius norm.
