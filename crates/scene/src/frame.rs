@@ -172,8 +172,8 @@ impl Frame {
     /// nearer than this bound is taken for the ribbon that the ray left.
     ///
     /// The closest approach of a ray along a ribbon is farther from its start than the ribbon is,
-    /// hence the margin [`RAYS`]. Where products are rounded, [`GAMMA`] for each transform has margin
-    /// enough, and ignores less of what is near.
+    /// hence the margin [`RAYS`]. Where products are rounded, [`GAMMA`] for each transform has
+    /// margin enough, and ignores less of what is near.
     pub(crate) fn ribbon_start(&self, bounds: Aabb) -> f32 {
         if bounds.is_empty() {
             return 0.0;
