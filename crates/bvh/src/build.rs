@@ -11,7 +11,7 @@ use crate::build_range::{BuildRange, BuildSettings, Subtree};
 use crate::fold;
 use crate::huge_pages;
 use crate::isa::Isa;
-use crate::node::{Child, Node, Tree, WIDTH};
+use crate::node::{Child, Node, Tree, WIDTH, range_of};
 use crate::prim_ref::{PrimRef, RangeBounds};
 use rayon::prelude::*;
 use rotund_geometry::Aabb;
@@ -52,6 +52,7 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
             nodes: Vec::new(),
             root: Child::NONE,
             bounds: Aabb::EMPTY,
+            range: range_of(Aabb::EMPTY),
             source_count: count,
             kept_count: 0,
         };
@@ -91,6 +92,7 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
         nodes: joined.nodes,
         root,
         bounds: bounds.to_aabb(),
+        range: range_of(bounds.to_aabb()),
         source_count: count,
         kept_count: prims.len(),
     };

@@ -214,7 +214,7 @@ impl Bvh {
         ray: &Ray,
         mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
     ) -> Option<Found<T>> {
-        let slab_ray = SlabRay::new(ray)?;
+        let slab_ray = SlabRay::new(ray, self.tree.range)?;
         let mut visitor = ClosestVisitor {
             slab_ray: &slab_ray,
             // A `t` that is not finite is a miss, also where the interval is infinite.
@@ -239,7 +239,7 @@ impl Bvh {
     /// empty or has a NaN, hits nothing: the result is false, and `test` is not called.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
-        let Some(slab_ray) = SlabRay::new(ray) else { return false };
+        let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return false };
         let visitor = AnyVisitor { ray, test: &mut test };
         self.isa.run(TraverseAny { tree: &self.tree, slab_ray: &slab_ray, visitor })
     }

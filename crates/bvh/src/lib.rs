@@ -43,8 +43,8 @@
 //! - `closest` returns the hit with the smallest `t` in the interval of the ray. A tie goes to the
 //!   lowest id, so the answer is that of a loop over all primitives, to the bit. `any` returns
 //!   whether there is a hit. A `t` of `-0.0` equals one of `0.0`, and ties with it.
-//! - Packed trees are exact for coordinates, sizes and origins of rays of up to `1e18`: see
-//!   [`Packed`].
+//! - Answers are exact in the whole range of `f32`, at less speed for coordinates beyond `2.7e11`:
+//!   see [`Packed`].
 //! - The test of boxes is conservative: rounding never loses a hit, not even along an edge of a box
 //!   or in the plane of a flat one.
 //! - Trees are built by the surface area heuristic, on all threads of the current rayon pool. The

@@ -78,6 +78,19 @@ impl Node {
     }
 }
 
+/// The largest coordinate of boxes and of origins of rays for which no product in `f32` overflows.
+///
+/// The largest terms are the volumes of triangles in the wide tests of leaves: with coordinates of
+/// up to `R`, those relative to the origin are below `2 R`, sheared ones below `4 R`, areas below
+/// `32 R²`, and volumes below `384 R³`, or `2^122.6` for this `R`.
+pub(crate) const RANGE: f32 = (1_u64 << 38) as f32;
+
+/// Returns the [`Tree::range`] of boxes in these bounds.
+pub(crate) fn range_of(bounds: Aabb) -> f32 {
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if bounds.is_empty() || farthest <= RANGE { RANGE } else { -1.0 }
+}
+
 /// The nodes of a tree and its root.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
@@ -86,6 +99,9 @@ pub(crate) struct Tree {
     pub(crate) root: Child,
     /// The union of all boxes; [`Aabb::EMPTY`] if the tree is empty.
     pub(crate) bounds: Aabb,
+    /// The largest coordinate of the origin of a ray for which `f32` suffices: [`RANGE`], or a
+    /// negative number if the boxes reach farther.
+    pub(crate) range: f32,
     /// Length of the slice that the tree was built from.
     pub(crate) source_count: usize,
     /// How many of its elements are in the tree; the others are empty.

@@ -1,6 +1,6 @@
 //! Refitting: the boxes of a tree follow primitives that moved, and its topology stays.
 
-use crate::node::{Child, Tree, WIDTH};
+use crate::node::{Child, Tree, WIDTH, range_of};
 use rotund_geometry::Aabb;
 use std::fmt;
 
@@ -108,6 +108,7 @@ impl Tree {
         }
         if self.root != Child::NONE {
             self.bounds = node_bounds[self.root.index()];
+            self.range = range_of(self.bounds);
         }
     }
 }

@@ -27,7 +27,7 @@
 //! Sources: T. Kay, J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986; T. Ize, "Robust BVH
 //! ray traversal", JCGT 2013, for a bound on the form `(p - o) / d`.
 
-use crate::node::{Node, WIDTH};
+use crate::node::{Node, RANGE, WIDTH};
 use crate::simd::Simd;
 use rotund_geometry::Ray;
 use rotund_geometry::glam::Vec3;
@@ -41,10 +41,13 @@ const LIMIT_SLACK: f32 = 32.0 * U;
 /// A ray, prepared for slab tests.
 ///
 /// Its parameter is `t * scale`. The scale is a power of two that brings the longest component of
-/// an extreme direction near one; for usual directions it is one.
+/// an extreme direction near one; for usual directions and coordinates it is one.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    pub(crate) origin: Vec3,
+    origin: Vec3,
+    /// The origin for the wide tests of leaves, NaN where their `f32` may overflow: then they keep
+    /// every lane, and the exact test decides.
+    pub(crate) leaf_origin: Vec3,
     /// The direction of the ray divided by the scale.
     pub(crate) direction: Vec3,
     /// `1 / d`, or the replacement by [`with_parallel_axes`] where that is too large.
@@ -53,28 +56,48 @@ pub struct SlabRay {
     margin: Vec3,
     /// Start of the interval.
     pub(crate) start: f32,
-    /// End of the interval, or slightly before.
+    /// End of the interval, or before: minus infinity if the parameters of hits are not certain.
     pub(crate) end: f32,
     pub(crate) scale: f32,
+    /// Bound on the parameter of a `t` that is rounded to zero.
+    pub(crate) least: f32,
 }
 
 impl SlabRay {
-    /// Prepares a ray. Returns `None` for one that cannot hit anything: with an origin or direction
-    /// that is not finite, a zero direction, an empty interval, or a NaN.
+    /// Prepares a ray for a tree of this [`range`](crate::node::Tree::range). Returns `None` for
+    /// one that cannot hit anything: with an origin or direction that is not finite, a zero
+    /// direction, an empty interval, or a NaN.
     #[inline(always)]
-    pub(crate) fn new(ray: &Ray) -> Option<Self> {
+    pub(crate) fn new(ray: &Ray, range: f32) -> Option<Self> {
+        Self::within(ray, range).or_else(|| Self::beyond_range(ray))
+    }
+
+    /// Prepares a ray whose origin may be out of range.
+    #[cold]
+    #[inline(never)]
+    fn beyond_range(ray: &Ray) -> Option<Self> {
+        Some(Self { leaf_origin: Vec3::NAN, ..Self::within(ray, f32::MAX)? })
+    }
+
+    /// Prepares a ray whose origin is in this range; of any other it returns `None`.
+    #[inline(always)]
+    fn within(ray: &Ray, range: f32) -> Option<Self> {
         let longest = ray.direction.abs().max_element();
         // `max_element` may ignore a NaN, so finiteness is tested too.
-        let finite = (ray.origin.is_finite() & ray.direction.is_finite()) && longest > 0.0;
+        let in_range = ray.origin.abs().cmple(Vec3::splat(range)).all();
+        let finite = (in_range & ray.direction.is_finite()) && longest > 0.0;
         if !(finite && ray.t_min <= ray.t_max) {
             return None;
         }
-        let (direction, scale) = if (1e-12..=1e12).contains(&longest) {
-            (ray.direction, 1.0)
-        } else {
-            scaled_near_one(ray.direction, longest)
-        };
-        let (start, end) = (before(ray.t_min, scale), before(ray.t_max, scale));
+        let (mut direction, mut scale, mut least) = (ray.direction, 1.0, f32::MIN_POSITIVE);
+        let (mut start, mut end) = (ray.t_min, ray.t_max);
+        if !((1e-12..=1e12).contains(&longest) && range <= RANGE) {
+            (direction, scale) = scaled(ray.direction, longest, range);
+            // Many parameters belong to a `t` of zero, or to none if it overflows: the exact test
+            // of each primitive decides.
+            least *= scale.max(1.0);
+            (start, end) = ((start * scale).next_down() - least, f32::NEG_INFINITY);
+        }
         let margin = (-16.0 * U * start).clamp(f32::MIN_POSITIVE, LARGE);
         let inverse = direction.recip();
         let offset = (ray.origin * inverse).abs();
@@ -85,13 +108,17 @@ impl SlabRay {
             let farthest = start.abs().max(end.abs());
             with_parallel_axes(ray.origin, direction, farthest, margin)
         };
-        Some(Self { origin: ray.origin, direction, inverse, margin, start, end, scale })
+        let origin = ray.origin;
+        let leaf_origin = origin;
+        Some(Self { origin, leaf_origin, direction, inverse, margin, start, end, scale, least })
     }
 
     /// The parameter at which traversal may stop if hits beyond `t` are not needed.
     #[inline(always)]
     pub(crate) fn limit(&self, t: f32) -> f32 {
-        Self::beyond(t * self.scale)
+        // The rounding error of a subnormal `t` is absolute, not relative.
+        let end = t * self.scale;
+        end + (LIMIT_SLACK * end.abs()).max(self.least)
     }
 
     /// The parameter at which traversal may stop if there is a hit at the parameter `end` or
@@ -144,26 +171,17 @@ fn with_parallel_axes(origin: Vec3, direction: Vec3, farthest: f32, margin: f32)
     (inverses, margins)
 }
 
-/// The parameter of `t`, or slightly less.
-#[inline(always)]
-fn before(t: f32, scale: f32) -> f32 {
-    let start = t * scale;
-    if scale == 1.0 { start } else { start.next_down() }
-}
-
-/// The direction divided by a power of two that brings its longest component near one, and that
-/// power.
+/// The direction divided by a power of two, and that power.
+///
+/// The longest component becomes one or, for coordinates beyond [`RANGE`], `2^100`: then the
+/// parameters of all points are below `2^29`. As the power must be a number, tiny directions stay
+/// below; their rays do not get that far.
 #[cold]
 #[inline(never)]
-fn scaled_near_one(direction: Vec3, longest: f32) -> (Vec3, f32) {
-    // In two steps, since the inverse of a subnormal number overflows.
-    let step = if longest < 1.0 { 2f32.powi(64) } else { 2f32.powi(-64) };
-    let (direction, scale) = (direction * step, step.recip());
-    if direction.abs().max_element() < 1e-12 {
-        (direction * step, scale / step)
-    } else {
-        (direction, scale)
-    }
+fn scaled(direction: Vec3, longest: f32, range: f32) -> (Vec3, f32) {
+    let target = if range <= RANGE { 0.0 } else { 100.0 };
+    let exponent = (target - f64::from(longest).log2().floor()).clamp(-126.0, 126.0) as f32;
+    (direction * exponent.exp2(), (-exponent).exp2())
 }
 
 /// A [`SlabRay`], broadcast to all lanes.

@@ -12,6 +12,10 @@
 use crate::libm_functions::Functions as _;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+/// `2⁻⁹⁰`. A ray that starts nearer to a surface than this share of the terms of its root starts on
+/// it, and the root is zero: 106 bits compute it as some `2⁻¹⁰⁰` of the terms, of either sign.
+pub(crate) const ON_SURFACE: f64 = 1.0 / (1_u128 << 90) as f64;
+
 /// The operations of a solver, so that it is written once for `f64` and [`DoubleDouble`].
 pub(crate) trait Real:
     Copy

@@ -30,6 +30,8 @@
 //!   later one, and a ray that starts inside a solid finds where it leaves. The ray enters the
 //!   solid, or comes from the front of a surface, if `normal.dot(direction)` is negative, and
 //!   leaves otherwise. To find the next crossing of the same shape, set `t_min` to `t.next_up()`.
+//! - A ray that starts exactly on a sphere, a rounded cone or a patch, to 2⁻⁹⁰ of the size, crosses
+//!   it at `t = 0`, whichever way it goes. On triangles and quads rounding decides.
 //! - The normal of a patch, a triangle or a quad points to the side from which its parameters turn
 //!   counter-clockwise.
 //! - Lengths have any unit. Angles are in radians.
@@ -92,6 +94,12 @@
 //! with the published methods. The bounds hold for an origin up to 2²⁶ sizes away, and for a cone
 //! up to 10⁶ radii long. From farther away, the position on a round shape may lie outside of its
 //! box, by rounding. They do not hold near `f32::MAX`: a coordinate beyond it is infinite.
+//!
+//! A ray from [`Hit::spawn`] into a sphere or a cone starts inside, if its radii are at least 16
+//! times the [`rounding_error`] of the place.
+//!
+//! [`Hit::error`] bounds the rounding to `f32`, and what the `f64` solution has lost: next to the
+//! origin of coordinates, where `f32` resolves much more than the shape needs, that is all.
 //!
 //! # Features
 //!

@@ -23,7 +23,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::double_double::{DoubleDouble, Real};
 use crate::filter::{CANCELLATION, FAR, Filtered, Solve, queries};
-use crate::float::{round, rounding_error};
+use crate::float::{error, off_sphere, round};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::origin_side::{self, OriginSide};
@@ -146,7 +146,7 @@ impl Solve for Sphere {
         Hit {
             t,
             position,
-            error: rounding_error(position),
+            error: error(position, off_sphere(f64::from(self.radius), normal)),
             normal: round(normal),
             parameters: Vec2::ZERO,
         }
@@ -221,11 +221,14 @@ impl Sphere {
         let [f, d] = self.relative_in_double_double(ray);
         let x = [0, 1, 2].map(|i| (f[i] + exact_t * d[i]).nearest());
         let from_center = DVec3::from_array(x);
-        let normal = from_center / f64::from(self.radius);
-        // At the distances at which 106 bits are too few it is not.
-        let is_unit = (normal.dot(normal) - 1.0).abs() < 1e-9;
-        let normal = if is_unit { normal } else { normal.normalize_or(DVec3::Y) };
-        Some(Root { t, from_center, normal })
+        let radius = f64::from(self.radius);
+        let normal = from_center / radius;
+        if (normal.dot(normal) - 1.0).abs() < 1e-9 {
+            return Some(Root { t, from_center, normal });
+        }
+        // From distances at which 106 bits are too few, the nearest point of the surface is taken.
+        let normal = normal.normalize_or(DVec3::Y);
+        Some(Root { t, from_center: radius * normal, normal })
     }
 
     /// Returns the hit where the line of the ray leaves the sphere, at any `t`.

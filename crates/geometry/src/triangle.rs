@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::f64x2::{F64x2, Mask};
 use crate::filter::{Filtered, Solve, queries};
-use crate::float::{round, rounding_error};
+use crate::float::{error, off_hull, round};
 use crate::ray_space::{Images, RaySpace};
 use crate::{Aabb, Hit, Ray};
 
@@ -120,7 +120,7 @@ impl Solve for Triangle {
         Hit {
             t,
             position,
-            error: rounding_error(position),
+            error: error(position, self.off()),
             normal: round(self.unit_normal()),
             parameters: Vec2::new(u as f32, v as f32),
         }
@@ -133,6 +133,16 @@ impl Triangle {
         let (p0, p1, p2) = (self.p0.as_dvec3(), self.p1.as_dvec3(), self.p2.as_dvec3());
         // The rounded u + v may exceed 1; the point must not leave the box of the triangle.
         (1.0 - u - v).max(0.0) * p0 + u * p1 + v * p2
+    }
+
+    /// Returns a bound on the distance of [`Self::at`] from the plane of the triangle.
+    ///
+    /// The products have a rounding of their own and one of the first sum, of at most the largest
+    /// coordinates `A` of the corners. The second sum, and weights whose sum is not 1 by two
+    /// roundings, move the point by shares of itself, of at most `A` too: five of `A` at most.
+    #[inline(always)]
+    pub(crate) fn off(&self) -> f64 {
+        off_hull([self.p0, self.p1, self.p2], 6.0)
     }
 
     #[inline]

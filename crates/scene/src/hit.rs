@@ -20,7 +20,10 @@ pub struct SceneHit {
     /// Geometric normal of unit length, out of the solid whichever side the ray came from.
     pub normal: Vec3,
     /// Bound on the distance along `normal` from `position` to the surface. It covers the rounding
-    /// of the transforms to object space and back. [`Self::spawn`] steps off the surface by it.
+    /// of the transforms to object space and back, and the curvature of the surface along which
+    /// rounding moves. [`Self::spawn`] steps off the surface by it, to either side of surfaces
+    /// whose radius of curvature is not below a few roundings of the position: 10 if the frame
+    /// only moves the instance, 40 in others, and more where a frame stretches.
     pub error: f32,
 }
 

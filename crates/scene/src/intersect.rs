@@ -209,7 +209,7 @@ impl Trees {
     fn scene_hit(&self, scene: &Scene, placement: &Placement, element: u32, hit: &Hit) -> SceneHit {
         let (instance, element) = self.locate(placement, element);
         let shape = &scene.shapes[scene.instances[instance as usize].shape as usize];
-        let world = placement.frame.world_hit(hit);
+        let world = placement.frame.world_hit(hit, || shape.curvature(element, hit));
         let hit = SceneHit {
             instance,
             element,

@@ -39,6 +39,28 @@ impl Primitive {
         each!(self, primitive => primitive.uv(hit))
     }
 
+    /// Returns a bound on the normal curvatures of the surface at a hit.
+    fn curvature(&self, hit: &Hit) -> f32 {
+        match self {
+            Self::Sphere(sphere) => sphere.radius.recip(),
+            // The body curves at most as the ball that touches it there.
+            Self::Cone(cone) => {
+                let radius = cone.r0 + hit.parameters.x * (cone.r1 - cone.r0);
+                radius.max(0.0).recip()
+            }
+            Self::Patch(patch) => {
+                // A step `(a, b)` in `uv` leaves the tangent plane by `a b m`, as the only second
+                // derivative is the mixed one. Its squared length is at least
+                // `2 |a b| (|du| |dv| - |du·dv|)`.
+                let (du, dv) = patch.tangents(hit.parameters);
+                let mixed = (patch.p11 - patch.p10) - (patch.p01 - patch.p00);
+                let area = du.length() * dv.length() - du.dot(dv).abs();
+                mixed.dot(hit.normal).abs() / area.max(0.0)
+            }
+            Self::Point(_) | Self::Line(_) | Self::Triangle(_) | Self::Quad(_) => 0.0,
+        }
+    }
+
     pub(crate) fn bounds(&self) -> Aabb {
         each!(self, primitive => primitive.bounds())
     }
@@ -70,6 +92,14 @@ impl Shape {
             // The hit of all other primitives stores their parameters, so no vertices are fetched.
             hit.parameters
         }
+    }
+
+    /// Returns a bound on the normal curvatures of an element at a hit.
+    pub(crate) fn curvature(&self, element: u32, hit: &Hit) -> f32 {
+        // Vertices of flat elements are not fetched.
+        let curved =
+            self.method == Method::Enhanced && !matches!(self.elements, Elements::Triangles(_));
+        if curved { self.primitive(element).curvature(hit) } else { 0.0 }
     }
 
     /// Returns the primitive of an element under the method of the shape.

@@ -101,6 +101,20 @@ mod tests {
     }
 
     #[test]
+    fn neighbouring_seeds_and_rows_share_no_numbers() {
+        let mut seen = std::collections::HashSet::new();
+        for seed in 0..8 {
+            for name in ["sphere distance 1.5e0", "sphere distance 1.5e1"] {
+                for index in 0..1_000 {
+                    let mut random = Random::of(seed, name, index);
+                    let first = [0; 8].map(|_| random.next());
+                    assert!(first.iter().all(|&number| seen.insert(number)), "{seed} {name}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn directions_have_unit_length_and_no_preference() {
         let mut random = Random::new(3);
         let mut sum = DVec3::ZERO;

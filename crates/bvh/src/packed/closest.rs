@@ -31,7 +31,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let slab_ray = SlabRay::new(self.ray)?;
+        let slab_ray = SlabRay::new(self.ray, self.packed.tree.range)?;
         let mut visitor = ClosestVisitor::<S, P, M>::new(simd, self.packed, self.ray, &slab_ray);
         let limit = slab_ray.limit(self.ray.t_max);
         traverse::closest(simd, &self.packed.tree, &slab_ray, limit, &mut visitor);
@@ -40,8 +40,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
             return None;
         }
         let block = &self.packed.blocks[best.block];
-        // A certain hit is one of the exact test, unless its `t` is beyond the range of `f32`, as
-        // with directions shorter than 1e-30. Then the exact test decides: there is none.
+        // A certain hit is one of the exact test.
         let hit = P::unpack(block, best.lane).exact_hit::<M>(self.ray)?;
         Some(PrimitiveHit { id: best.id, hit })
     }
@@ -95,7 +94,7 @@ impl<'a, S: Simd, P: Kernel, M: MethodTag> ClosestVisitor<'a, S, P, M> {
     #[inline(always)]
     fn near(&self, t: f32) -> f32 {
         let t = t * self.slab_ray.scale;
-        t - 4.0 * f32::EPSILON * t.abs() - f32::MIN_POSITIVE
+        t - 4.0 * f32::EPSILON * t.abs() - self.slab_ray.least
     }
 }
 

@@ -82,7 +82,9 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAll<'_, P, M> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let Some(slab_ray) = SlabRay::new(self.ray) else { return SmallVec::new() };
+        let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else {
+            return SmallVec::new();
+        };
         let limit = slab_ray.limit(self.ray.t_max);
         let mut visitor = AllVisitor::<S, P, M> {
             packed: self.packed,

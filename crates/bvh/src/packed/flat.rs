@@ -71,7 +71,7 @@ impl<S: Simd> FlatLanes<S> {
         let z = 2 - (2 * (greater[0] & greater[1]) + (greater[2] & (greater[0] ^ 1)));
         let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
         let axes = [x, y, z];
-        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let (o, d) = (ray.leaf_origin.to_array(), ray.direction.to_array());
         let (o, d) = (Vec3::new(o[x], o[y], o[z]), Vec3::new(d[x], d[y], d[z]));
         Self {
             axes,

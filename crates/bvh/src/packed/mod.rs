@@ -73,11 +73,13 @@ pub type TriangleTree = Packed<Triangle>;
 /// its own copy of the primitives, so the slice need not be kept. The [`Method`] is chosen for each
 /// query, and the same tree serves both.
 ///
-/// # Limits
+/// # Range
 ///
-/// The answers are exact for coordinates, sizes and origins of rays of up to `1e18` in absolute
-/// value. The wide test of a leaf squares distances in `f32`, which overflow above, and may then
-/// lose hits. [`Bvh`](crate::Bvh) has no wide test, and so not this limit.
+/// The answers are those of a loop over all primitives in the whole range of `f32`, with every
+/// instruction set. The wide test of a leaf works in `f32`, where products of three lengths must
+/// not overflow. So it is used for coordinates, with radii, and origins of rays of up to
+/// `2³⁸ = 2.7e11` in absolute value. For rays from farther away, and for all rays if one primitive
+/// reaches farther, each primitive of a leaf gets the exact test, which is slower.
 #[derive(Clone, Debug)]
 pub struct Packed<P: Kernel> {
     tree: Tree,

@@ -89,7 +89,7 @@ impl<P: Kernel> Packed<P> {
     }
 
     fn count_visits<M: MethodTag>(&self, ray: &Ray) -> Visits {
-        let Some(slab_ray) = SlabRay::new(ray) else { return Visits::default() };
+        let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return Visits::default() };
         let visitor = ClosestVisitor::<Portable, P, M>::new(Portable, self, ray, &slab_ray);
         let mut counting = CountingVisitor { visitor, visits: Visits::default() };
         let limit = slab_ray.limit(ray.t_max);

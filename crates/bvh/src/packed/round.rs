@@ -32,7 +32,7 @@ impl<S: Simd> RoundLanes<S> {
     pub(crate) fn new(simd: S, ray: &SlabRay) -> Self {
         let inverse_square = ray.direction.length_squared().recip();
         Self {
-            origin: splat(simd, ray.origin),
+            origin: splat(simd, ray.leaf_origin),
             direction: splat(simd, ray.direction),
             inverse_square: simd.splat(inverse_square),
             inverse_length: simd.splat(inverse_square.sqrt()),

@@ -258,7 +258,7 @@ impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Around {
-        let Some(slab_ray) = SlabRay::new(self.here) else {
+        let Some(slab_ray) = SlabRay::new(self.here, self.pieces.packed.tree.range) else {
             return Around { best: self.best, is_complete: true };
         };
         let (reach, limit) = (slab_ray.limit(self.here.t_max), slab_ray.limit(self.end));
@@ -396,7 +396,9 @@ impl<P: Kernel + Solid> WithSimd for FindPieces<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let Some(slab_ray) = SlabRay::new(self.ray) else { return SmallVec::new() };
+        let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else {
+            return SmallVec::new();
+        };
         let limit = slab_ray.limit(self.ray.t_max);
         let mut visitor = PiecesVisitor::<S, P> {
             pieces: Pieces { packed: self.packed, ray: self.ray },
@@ -451,7 +453,7 @@ impl<P: Kernel + Solid, F: Fn(u32, &P) -> bool> WithSimd for Contains<'_, P, F> 
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
-        let Some(slab_ray) = SlabRay::new(self.ray) else { return false };
+        let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else { return false };
         let limit = slab_ray.limit(self.ray.t_max);
         let lanes = P::lanes(simd, &slab_ray);
         let mut visitor = ContainsVisitor::<S, P, F> { find: &self, lanes, limit };

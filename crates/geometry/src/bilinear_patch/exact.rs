@@ -8,7 +8,7 @@
 use super::BilinearPatch;
 use super::image::{PatchImage, Root, nearest};
 use crate::Ray;
-use crate::double_double::{DoubleDouble, Real};
+use crate::double_double::{DoubleDouble, ON_SURFACE, Real};
 use crate::filter::Filtered;
 
 /// `2⁻⁹⁶`. A ruling whose image is shorter than its square root, `2⁻⁴⁸`, of the patch is seen
@@ -69,6 +69,7 @@ fn solve_in_double_double(
         .iter()
         .map(|p| p[0].nearest().abs().max(p[1].nearest().abs()))
         .fold(0.0, f64::max);
+    let deepest = [p00, p10, p01, p11].iter().map(|p| p[2].nearest().abs()).fold(0.0, f64::max);
     let (zero, one, half) =
         (DoubleDouble::ZERO, DoubleDouble::exact(1.0), DoubleDouble::exact(0.5));
     let clamp = |x: DoubleDouble| {
@@ -93,7 +94,8 @@ fn solve_in_double_double(
         // Rulings parallel to the ray solve the equation too, at any distance from it.
         let distance2 = (p0[0] * p0[0] + p0[1] * p0[1]).nearest();
         let passes_by = is_point && distance2 > END_ON * (size * size);
-        let t = (p0[2] + clamp(v) * ruling[2]) / dz;
+        let depth = p0[2] + clamp(v) * ruling[2];
+        let t = if depth.nearest().abs() <= ON_SURFACE * deepest { zero } else { depth / dz };
         // A parabola without curvature has its second root at infinity, or none.
         let from_center = if raw.nearest().is_finite() && !passes_by {
             (raw - half).nearest().abs().max((v - half).nearest().abs())

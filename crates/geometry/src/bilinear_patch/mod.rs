@@ -10,7 +10,7 @@ mod image;
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::filter::{Filtered, Solve, queries};
-use crate::float::{round, rounding_error};
+use crate::float::{error, off_hull, round};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray, widen};
@@ -31,8 +31,9 @@ use image::Root;
 ///
 /// If two corners coincide, the patch is a curved triangle, and its normal at that corner is the
 /// limit. A patch without area, a flat patch seen edge-on, and one with a corner that is not finite
-/// miss. If the ray runs along a ruling, a straight line in the surface, the hit is the middle of
-/// the ruling.
+/// miss. A ray exactly along a ruling, a straight line in the surface, has no single crossing, and
+/// misses like one in the plane of a flat patch. If its rounding moves it off the ruling, it hits
+/// where the moved ray crosses the surface, if it does.
 ///
 /// ```
 /// use rotund_geometry::glam::{Vec2, Vec3};
@@ -99,7 +100,7 @@ impl Solve for BilinearPatch {
         Hit {
             t,
             position,
-            error: rounding_error(position),
+            error: error(position, self.off()),
             normal: round(normal),
             parameters: Vec2::new(u as f32, v as f32),
         }
@@ -116,6 +117,16 @@ impl BilinearPatch {
         let (from, to) = (p00 + v * u0, p10 + v * u1);
         let by_u = to - from;
         [from + u * by_u, by_u, u0 + u * (u1 - u0)]
+    }
+
+    /// Returns a bound on the rounding of the point of [`Self::at`].
+    ///
+    /// Let `A` be the largest coordinates of the corners. The ends of the ruling have a rounding of
+    /// `2 A` each in the difference and the product, and one of `A` in the sum: five of `A`. The
+    /// point averages them, and adds as much by its own difference, product and sum.
+    #[inline(always)]
+    fn off(&self) -> f64 {
+        off_hull([self.p00, self.p10, self.p01, self.p11], 11.0)
     }
 
     #[inline(always)]

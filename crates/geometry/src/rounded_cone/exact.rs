@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::Ray;
-use crate::double_double::{DoubleDouble, Real};
+use crate::double_double::{DoubleDouble, ON_SURFACE, Real};
 use crate::filter::{CANCELLATION, FAR};
 use crate::origin_side::{self, OriginSide};
 
@@ -73,6 +73,7 @@ pub(crate) fn solve_in_double_double(
 /// Returns the first of `ends` in the interval of the ray. If a difference keeps less than the
 /// share `allowed` of its terms, the numbers have too few digits.
 fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -> Attempt {
+    let at_origin = if allowed > 0.0 { 0.0 } else { ON_SURFACE };
     let r = [R::exact(cone.r0), R::exact(cone.r1)];
     let rho = r[0] - r[1];
     let (p0, d, o) = (exact::<R>(cone.p0), exact::<R>(ray.direction), exact::<R>(ray.origin));
@@ -100,14 +101,24 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
     }
     let width = a * d2;
     let k2 = dot(g, g) - rho * rho * a;
-    let chord = r[0] * r[0] * a - dot(w, w);
     let y0 = -dot(w, g) - r[0] * rho * a;
     let k1 = -(m * y0);
-    let k0 = -(width * chord) - y0 * y0;
     let spread = a * (d2 * discriminant).square_root();
     let k1_positive = k1 >= R::ZERO;
-    // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
+    // Both terms have the sign of -k1, so their sum does not cancel. The other root is the
+    // difference over k2, or k0 / q: see "Which form of the root".
     let q = if k1_positive { -k1 - spread } else { spread - k1 };
+    let (w2, square0) = (dot(w, w), r[0] * r[0] * a);
+    let k0 = width * (w2 - square0) - y0 * y0;
+    let cancels = w2 > square0;
+    let by_difference = (q.nearest() / k2.nearest()).abs();
+    let by_product = if cancels { ((width * w2).nearest() / q.nearest()).abs() } else { 0.0 };
+    let other = if by_difference < by_product {
+        (if k1_positive { spread - k1 } else { -k1 - spread }) / k2
+    } else {
+        k0 / q
+    };
+    let other_terms = by_difference.min(by_product);
     let mut before = f64::NEG_INFINITY;
     for end in ends {
         let entry = *end == End::Entry;
@@ -121,7 +132,7 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
         let theta = if endless {
             None
         } else {
-            Some(if entry == k1_positive || q == R::ZERO { q / k2 } else { k0 / q })
+            Some(if entry == k1_positive || q == R::ZERO { q / k2 } else { other })
         };
         // The place in the body times `width`; a value outside `0..=width` selects a cap.
         let y = match theta {
@@ -139,11 +150,14 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
             let difference = theta - b;
             let share = moment2.nearest() / discriminant.nearest();
             let terms: f64 = (0..3).map(|i| (f[i] * d[i]).nearest().abs()).sum();
-            let scale = share * theta.nearest().abs().max(terms);
-            if difference.nearest().abs() < allowed * scale {
+            let size = theta.nearest().abs().max(terms);
+            if difference.nearest().abs() < allowed * (share * size.max(other_terms)) {
                 return Attempt::TooFewDigits;
             }
-            (difference / a, y / width)
+            // A share that grows without limit towards tangents must not reach the origin.
+            let on_surface = difference.nearest().abs() <= at_origin * size;
+            let t = if on_surface { R::ZERO } else { difference / a };
+            (t, y / width)
         } else if y < R::ZERO || y > width {
             // The cap, intersected as a sphere.
             let i = usize::from(y > width);
@@ -159,7 +173,11 @@ fn attempt<R: Real>(cone: &RoundedCone, ray: &Ray, allowed: f64, ends: &[End]) -
                 return Attempt::Found(None);
             }
             let root = chord.square_root();
-            let g = dot(center, center) - radius * radius;
+            let square0 = dot(center, center);
+            let mut g = square0 - radius * radius;
+            if g.nearest().abs() <= at_origin * square0.nearest() {
+                g = R::ZERO;
+            }
             let ahead = along >= R::ZERO;
             let q = if ahead { -along - root } else { root - along };
             let from_product = entry != ahead;

@@ -27,6 +27,16 @@
 //! a y = Y + m θ                Y = -(w·g) - r0 ρ a   m = d·e        θ = (-K1 ∓ a sqrt(d2 D)) / k2
 //! ```
 //!
+//! # Which form of the root
+//!
+//! If `K1 >= 0`, both terms of the entry have one sign. Otherwise they cancel, and the entry also
+//! is `K0 / (S - K1)` with `S = a sqrt(d2 D)`. Both terms of `K0` are negative if the line passes
+//! within `r0` of `p0`: no digit cancels. If it passes farther away, `|K0|` may be as little as
+//! `r² a / |w|²` of its terms, which on a slender cone leaves no digit at all: a hit halfway along
+//! `10⁵` radii would be off by `10⁻⁵` radii. Then the difference is the better form: the error of
+//! its terms is `2⁻⁵³ (|K1| + S) / k2`, against `2⁻⁵³ a d2 |w|² / (|K1| + S)`, and since
+//! `|Y| <= |w| |g|` the first is less by the squared cosine between the ray and the axis.
+//!
 //! # Which part is hit
 //!
 //! The solid lies inside its tangent cone, so a line that misses the cone misses the solid. The
@@ -47,7 +57,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::double_double::DoubleDouble;
 use crate::filter::{CANCELLATION, FAR, Filtered, Solve, queries};
-use crate::float::{round, rounding_error};
+use crate::float::{F64_ROUNDOFF, error, off_sphere, round};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray, Sphere, widen};
@@ -148,11 +158,13 @@ impl Solve for RoundedCone {
         let square0 = r0 * r0 * a;
         let y0 = -w.dot(g) - r0 * rho_a;
         let k1 = -m * y0;
-        // Both terms have the sign of -k1, so their sum does not cancel; the other root is k0 / q.
         let spread = a * (d2 * discriminant).sqrt();
-        let q = -k1 - spread.copysign(k1);
-        let (over, under) =
-            if k1.is_sign_positive() { (q, k2) } else { (width * (ww - square0) - y0 * y0, q) };
+        // See "Which form of the root".
+        let (over, under) = if k1.is_sign_positive() | (ww > square0) {
+            (-k1 - spread, k2)
+        } else {
+            (width * (ww - square0) - y0 * y0, spread - k1)
+        };
         let theta = over / under;
         let y = y0 + m * theta;
         // Rare cases are uncertain: a line steeper than the cone, a length of more than a million
@@ -166,8 +178,9 @@ impl Solve for RoundedCone {
         let (t64, from_ball, s, radius);
         if y >= 0.0 && y <= width {
             let difference = theta - b;
-            // The rounding error of `theta` is half the chord times the lost share of `D`; that of
-            // `b` is a share of its terms, which cancel where the ray starts next to `p0`.
+            // The rounding error of `theta` is half the chord times the lost share of `D`, which
+            // also bounds a share of K1; that of `b` is a share of its terms, which cancel where
+            // the ray starts next to `p0`.
             let scale = spread * moment2 + f.abs().dot(d.abs()) * k2 * discriminant;
             if difference.abs() * k2 * discriminant < CANCELLATION * scale {
                 return Filtered::Uncertain;
@@ -223,12 +236,18 @@ impl Solve for RoundedCone {
 
     #[inline(always)]
     fn hit(&self, _: &Ray, Root { t, s, from_ball, normal }: Root) -> Hit {
-        let (p0, p1) = (self.p0.as_dvec3(), self.p1.as_dvec3());
-        let position = round(p0 + s * (p1 - p0) + from_ball);
+        let ((p0, r0), (p1, r1)) = (widen::ball(self.p0, self.r0), widen::ball(self.p1, self.r1));
+        let e = p1 - p0;
+        let position = round(p0 + s * e + from_ball);
+        // The center of the ball has a rounding of `e` and one of the product, and its radius two
+        // of `s ρ`, which is shorter than `s e`. The rounding of the sum is one of the position and
+        // one of `from_ball`, as for a sphere.
+        let off =
+            off_sphere(r0 + s * (r1 - r0), normal) + 4.0 * F64_ROUNDOFF * s * e.abs().element_sum();
         Hit {
             t,
             position,
-            error: rounding_error(position),
+            error: error(position, off),
             normal: round(normal),
             parameters: Vec2::new(s as f32, 0.0),
         }
@@ -273,14 +292,14 @@ impl RoundedCone {
         let radius = f64::from(self.r0) + s * (f64::from(self.r1) - f64::from(self.r0));
         let normal = from_ball / radius;
         let square = normal.dot(normal);
-        // A tip of radius zero has many normals; the axis is one of them.
-        let normal = if (square - 1.0).abs() < 1e-9 {
-            normal
-        } else {
-            let e = self.p1.as_dvec3() - self.p0.as_dvec3();
-            from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y))
-        };
-        Root { t, s, from_ball, normal }
+        if (square - 1.0).abs() < 1e-9 {
+            return Root { t, s, from_ball, normal };
+        }
+        // A tip of radius zero has many normals; the axis is one of them. At distances at which 106
+        // bits are too few, the nearest point of the ball is taken.
+        let e = self.p1.as_dvec3() - self.p0.as_dvec3();
+        let normal = from_ball.normalize_or((if s < 0.5 { -e } else { e }).normalize_or(DVec3::Y));
+        Root { t, s, from_ball: radius * normal, normal }
     }
 
     /// Returns the hit where the line of an unbounded ray leaves the solid.

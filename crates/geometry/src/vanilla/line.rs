@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::filter::{Filtered, Solve, queries};
-use crate::float::{round, rounding_error};
+use crate::float::{error, off_hull, round, rounding_error};
 #[cfg(not(feature = "std"))]
 use crate::libm_functions::Functions as _;
 use crate::{Aabb, Hit, Ray, widen};
@@ -127,7 +127,9 @@ impl Solve for Line {
         Hit {
             t,
             position,
-            error: rounding_error(position),
+            // The difference of the ends and its product with `s` have a rounding each, of at most
+            // twice their coordinates.
+            error: error(position, off_hull([self.p0, self.p1], 5.0)),
             normal: round(normal * square.sqrt().recip()),
             parameters: Vec2::new(s as f32, (distance2.sqrt() / r) as f32),
         }

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::filter::{Filtered, Solve, queries};
-use crate::float::{round, rounding_error};
+use crate::float::{error, round};
 use crate::ray_space::RaySpace;
 use crate::triangle::Crossings;
 use crate::{Aabb, Hit, Ray, Triangle};
@@ -93,7 +93,7 @@ impl Solve for Quad {
         Hit {
             t,
             position,
-            error: rounding_error(position),
+            error: error(position, triangle.off()),
             normal: round(triangle.unit_normal()),
             parameters: if second { Vec2::ONE - uv } else { uv },
         }

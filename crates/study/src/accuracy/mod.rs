@@ -9,6 +9,7 @@ mod case;
 mod leaving;
 mod methods;
 mod overview;
+mod placed;
 mod progress;
 mod replay;
 mod report;
@@ -66,7 +67,8 @@ pub struct Args {
     /// Write the report, index.html, to this folder.
     #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
     out: PathBuf,
-    /// Fail if one of the library's own methods misses a target, and list each row that does.
+    /// Fail if one of the library's own methods misses a target, or a hit of an instance its bound,
+    /// and list each row that does.
     #[arg(long)]
     check: bool,
     /// Print one case of a report with the answer of every method.
@@ -138,7 +140,12 @@ pub fn run(args: Args, load: &dyn Fn(&str) -> Result<(String, Scene)>) -> Result
         "no method of these shapes has the name given with --method; expected one of {}",
         options.all_methods().join(", ")
     );
-    let verdicts = targets::verdicts(&study);
+    let mut verdicts = targets::verdicts(&study);
+    // Hits of instances belong to no family, and to the library's own method.
+    if options.families.is_empty() && !verdicts.is_empty() {
+        let is_measured = |shape: &str| study.shapes.iter().any(|it| it.shape == shape);
+        verdicts.extend(placed::verdicts(options.rays, options.seed, is_measured));
+    }
     ensure!(
         !args.check || !verdicts.is_empty(),
         "nothing to check: --method leaves out the library's own methods"

@@ -168,7 +168,7 @@ fn worse(so_far: f64, next: f64) -> f64 {
 }
 
 /// Returns a bound on the condition number of a frame: 1 if it scales all directions alike.
-fn flattening(frame: &Affine3A) -> f64 {
+pub(super) fn flattening(frame: &Affine3A) -> f64 {
     let matrix = Mat3::from(frame.matrix3).as_dmat3();
     let norm = |m: glam::DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
     // Frobenius norms bound the largest singular value and the inverse of the smallest.
@@ -212,7 +212,7 @@ fn corners<const N: usize>(first: u32) -> [u32; N] {
 }
 
 /// Returns frames of every kind and their names.
-fn frames() -> Vec<(&'static str, Affine3A)> {
+pub(super) fn frames() -> Vec<(&'static str, Affine3A)> {
     let rotation = Affine3A::from_quat(Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7));
     let scale = |x, y, z| Affine3A::from_scale(Vec3::new(x, y, z));
     let moved = |x, y, z| Affine3A::from_translation(Vec3::new(x, y, z));

@@ -6,7 +6,9 @@
 //! command fails if a decision is wrong.
 //!
 //! A *tie* is a decision that hangs on less than 2⁻⁹⁰ of the numbers compared. Truth cannot make
-//! it, so either answer counts as right.
+//! it, so either answer counts as right: whether two bodies are one, or whether a boundary on
+//! which a ray starts counts. In the latter case the other boundaries of the ray are checked
+//! all the same.
 
 use std::ops::ControlFlow;
 
@@ -336,26 +338,50 @@ fn check_ray<E: Element>(tree: &impl Union, elements: &[E], ray: &Ray, tally: &m
             }
         }
     }
-    // An origin exactly on a surface: truth finds a `t` of some 2⁻¹⁰⁶ of the chord instead of zero.
-    tie |= bodies.iter().any(|[enter, leave]| {
-        let chord = (*leave - *enter).to_f64();
-        enter.abs().min(leave.abs()).to_f64() <= TIE * chord
-    });
-    let ends = bodies.iter().flat_map(|[enter, leave]| [(*enter, true), (*leave, false)]);
-    let expected: Vec<(Wide, bool)> = ends.filter(|(t, _)| *t >= Wide::ZERO).collect();
+    let mut expected = Vec::new();
+    for [enter, leave] in bodies {
+        let chord = (leave - enter).to_f64();
+        for (t, enters) in [(enter, true), (leave, false)] {
+            // The ray starts on this boundary: truth finds a `t` of some 2⁻¹⁰⁶ of the chord instead
+            // of zero.
+            let at_start = t.abs().to_f64() <= TIE * chord;
+            if at_start || t >= Wide::ZERO {
+                expected.push(Boundary { t, enters, at_start });
+            }
+        }
+    }
     let found = tree.boundaries(ray);
-    let right = |(t, enters): &(f32, bool), (exact, enters_too): &(Wide, bool)| {
-        let unit = (2f64.powi(-24) * exact.abs().to_f64()).max(2f64.powi(-149));
-        let off = (Wide::from(*t) - *exact).abs().to_f64();
-        enters == enters_too && off <= 1.001 * unit
-    };
-    let all = found.len() == expected.len()
-        && found.iter().zip(&expected).all(|(found, expected)| right(found, expected))
-        && tree.next(ray) == found.first().copied();
+    let all = agree(&found, &expected) && tree.next(ray) == found.first().copied();
     tally.rays += 1;
     tally.boundaries += expected.len() as u64;
-    tally.ties += u64::from(tie);
+    tally.ties += u64::from(tie || expected.iter().any(|boundary| boundary.at_start));
     tally.wrong += u64::from(!all && !tie);
+}
+
+/// A boundary of the union that depth counting finds.
+struct Boundary {
+    t: Wide,
+    enters: bool,
+    /// Whether the ray starts on it, so that it may count or not.
+    at_start: bool,
+}
+
+/// Returns whether the boundaries found are those expected, but for those at the start of the ray.
+fn agree(found: &[(f32, bool)], expected: &[Boundary]) -> bool {
+    let mut found = found.iter().peekable();
+    for boundary in expected {
+        let is_it = |&&(t, enters): &&(f32, bool)| {
+            let exact = boundary.t;
+            let unit = (2f64.powi(-24) * exact.abs().to_f64()).max(2f64.powi(-149));
+            let off = (Wide::from(t) - exact).abs().to_f64();
+            let at_start = boundary.at_start && t == 0.0;
+            enters == boundary.enters && (off <= 1.001 * unit || at_start)
+        };
+        if found.next_if(is_it).is_none() && !boundary.at_start {
+            return false;
+        }
+    }
+    found.next().is_none()
 }
 
 #[cfg(test)]
@@ -373,5 +399,21 @@ mod tests {
             [0.0, 1.0].map(|x| Sphere { center: Vec3::X * x, radius: 0.75 }).to_vec();
         let tally = check(&SphereTree::build(&balls[..1]), &balls, "two", 10 * BATCH, 1);
         assert!(tally.wrong > 100 && tally.wrong_points > 100);
+    }
+
+    #[test]
+    fn a_boundary_at_the_start_may_count_or_not_and_the_others_must() {
+        let at = |t: f32, enters: bool, at_start: bool| Boundary { t: t.into(), enters, at_start };
+        let on_entry = [at(1e-33, true, true), at(2.0, false, false), at(3.0, true, false)];
+        assert!(agree(&[(0.0, true), (2.0, false), (3.0, true)], &on_entry));
+        assert!(agree(&[(2.0, false), (3.0, true)], &on_entry));
+        for wrong in [
+            &[(0.0, true), (3.0, true)][..],
+            &[(0.0, false), (2.0, false), (3.0, true)],
+            &[(2.0, false)],
+            &[(2.0, false), (3.0, true), (4.0, false)],
+        ] {
+            assert!(!agree(wrong, &on_entry), "{wrong:?}");
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! Cases are generated in `f64` and rounded to `f32` at the end; the truth uses the rounded
 //! numbers.
 
+mod near_origin;
 mod patch;
 mod rounded_cone;
 mod sphere;

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use rotund_geometry::{BilinearPatch, Ray};
 
-use super::{Curve, Families, Family, toward, with_interval, with_length};
+use super::{Curve, Families, Family, near_origin, toward, with_interval, with_length};
 use crate::random::Random;
 use crate::truth::Truth;
 
@@ -150,6 +150,16 @@ impl Families for BilinearPatch {
             curve: None,
             levels: &[1e3, 1e4, 1e5, 1e6],
             make: offset,
+        },
+        Family {
+            name: "near the origin",
+            why: "the position has no rounding that hides that of f64",
+            curve: None,
+            levels: near_origin::LEVELS,
+            make: |r, level| {
+                let corners = bent(r, 0.3);
+                near_origin::patch(r, level, corners)
+            },
         },
         Family {
             name: "sliver",

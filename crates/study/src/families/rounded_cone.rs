@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rotund_geometry::{Ray, RoundedCone};
 
-use super::{Curve, Families, Family, toward, with_interval, with_length};
+use super::{Curve, Families, Family, near_origin, toward, with_interval, with_length};
 use crate::random::Random;
 
 impl Families for RoundedCone {
@@ -143,6 +143,20 @@ impl Families for RoundedCone {
             curve: None,
             levels: &[1e3, 1e4, 1e5, 1e6],
             make: offset,
+        },
+        Family {
+            name: "near the origin",
+            why: "the position has no rounding that hides that of f64",
+            curve: None,
+            levels: near_origin::LEVELS,
+            make: near_origin::cone,
+        },
+        Family {
+            name: "slender, near the origin",
+            why: "coordinates of the ends cancel, and nothing hides it",
+            curve: None,
+            levels: near_origin::SLENDER,
+            make: near_origin::slender,
         },
         Family {
             name: "scale",

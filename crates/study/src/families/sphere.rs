@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rotund_geometry::{Ray, Sphere};
 
-use super::{Curve, Families, Family, toward, with_interval, with_length};
+use super::{Curve, Families, Family, near_origin, toward, with_interval, with_length};
 use crate::random::Random;
 
 impl Families for Sphere {
@@ -66,6 +66,13 @@ impl Families for Sphere {
             curve: None,
             levels: &[1e3, 1e4, 1e5, 1e6],
             make: offset,
+        },
+        Family {
+            name: "near the origin",
+            why: "the position has no rounding that hides that of f64",
+            curve: None,
+            levels: near_origin::LEVELS,
+            make: near_origin::sphere,
         },
         Family {
             name: "radius",

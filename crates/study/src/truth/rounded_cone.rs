@@ -107,6 +107,11 @@ fn frustum(x: Wide3, d: Wide3, a: Wide3, r0: Wide, r1: Wide) -> Option<(Wide, Wi
     };
 
     let discriminant = beta * beta - alpha * gamma;
+    // A tangent within the resolution counts, as with a ball.
+    let terms = turning.dot(turning) * g * (across.dot(across) * g + radius * radius);
+    let resolution = Wide::from(2f64.powi(-97)) * terms;
+    let touches = discriminant.abs() <= resolution;
+    let discriminant = if touches { Wide::ZERO } else { discriminant };
     if alpha == Wide::ZERO && beta == Wide::ZERO {
         return if gamma <= Wide::ZERO { clip(slab.0, slab.1) } else { None };
     }
