@@ -1,7 +1,8 @@
 //! Positions and geometric normals rebuilt from element and parameters.
 
-use crate::{Scene, Shape};
+use crate::{Scene, Shape, primitive::Primitive};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+use rotund_geometry::Ray;
 
 impl Scene {
     /// Returns the surface point with these parameters, in world space.
@@ -22,6 +23,42 @@ impl Scene {
     pub fn eval_position(&self, instance: u32, element: u32, uv: Vec2) -> Vec3 {
         let (frame, shape) = self.placed(instance);
         frame.transform_point3(shape.primitive(element).position(uv))
+    }
+
+    /// Returns the parameters of a point on the surface of an enhanced point or line, in world
+    /// space: what [`Self::eval_position`] takes. `normal` is the outward normal there. `None` for
+    /// other elements, and for points that are far off the surface.
+    ///
+    /// # Panics
+    ///
+    /// If an index is out of range, among the arguments or in a scene that [`Scene::validate`]
+    /// refuses.
+    #[must_use]
+    pub fn eval_round_parameters(
+        &self,
+        instance: u32,
+        element: u32,
+        position: Vec3,
+        normal: Vec3,
+    ) -> Option<Vec2> {
+        let (frame, shape) = self.placed(instance);
+        let primitive = shape.primitive(element);
+        let size = match primitive {
+            Primitive::Sphere(sphere) => sphere.radius,
+            Primitive::Cone(cone) => cone.r0.max(cone.r1),
+            _ => return None,
+        };
+        // A ray from outside against the normal meets a convex solid at the point.
+        let object_from_world = frame.inverse();
+        let inwards = -transform_normal(&object_from_world.matrix3, normal);
+        let on_surface = object_from_world.transform_point3(position);
+        let ray = Ray::new(on_surface - size * inwards, inwards);
+        let hit = match primitive {
+            Primitive::Sphere(sphere) => sphere.closest(&ray)?,
+            Primitive::Cone(cone) => cone.closest(&ray)?,
+            _ => return None,
+        };
+        Some(shape.uv(element, &hit))
     }
 
     /// Returns the geometric normal of unit length, out of the solid. Vanilla points and lines have

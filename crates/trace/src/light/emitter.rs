@@ -38,8 +38,8 @@ const FAR: f32 = 3.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmitterPoint {
     pub(super) source: LightSource,
-    /// Parameters of the point on the element.
-    pub(super) uv: Vec2,
+    /// Parameters of the point on the element; `None` on round ones, where they are costly.
+    pub(super) uv: Option<Vec2>,
     /// Density per solid angle.
     pub(super) pdf: f32,
 }
@@ -199,19 +199,28 @@ impl Emitter {
         }
     }
 
-    /// Returns the emitted radiance at a point, scaled by opacity.
-    pub(super) fn radiance(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+    /// Returns the radiance that a sampled point emits, scaled by opacity. `uv` is that of an
+    /// [`EmitterPoint`].
+    pub(super) fn radiance(&self, scene: &Scene, uv: Option<Vec2>, source: &LightSource) -> Vec3 {
         self.constant.unwrap_or_else(|| {
-            let material = scene.eval_material(self.instance, self.element, uv);
-            material.opacity * material.emission
+            let LightSource { position, normal, .. } = *source;
+            let found =
+                || scene.eval_round_parameters(self.instance, self.element, position, normal);
+            uv.or_else(found).map_or(Vec3::ZERO, |uv| self.radiance_at(scene, uv))
         })
+    }
+
+    /// Returns the radiance emitted at the point with these parameters, scaled by opacity.
+    fn radiance_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+        let material = scene.eval_material(self.instance, self.element, uv);
+        material.opacity * material.emission
     }
 
     /// Returns the mean radiance, estimated from a few points if it varies. It only guides the
     /// choice of emitters.
     fn mean_radiance(&self, scene: &Scene, varies: bool) -> Vec3 {
         const STEPS: u16 = 4;
-        let at = |uv| self.radiance(scene, uv);
+        let at = |uv| self.radiance_at(scene, uv);
         if !varies {
             return at(Vec2::splat(0.25));
         }
@@ -253,13 +262,13 @@ impl Emitter {
         let surface_point = |point: SurfacePoint| {
             let SurfacePoint { position, normal, uv, pdf_area } = point;
             let pdf = solid_angle_density(Density::Area(pdf_area), from, position, normal);
-            EmitterPoint { source: self.source(position, normal), uv, pdf }
+            EmitterPoint { source: self.source(position, normal), uv: Some(uv), pdf }
         };
         let round_point = |point: RoundPoint| {
             let RoundPoint { position, normal, density } = point;
             let source = self.source(position, normal);
             let pdf = solid_angle_density(density, from, position, normal);
-            EmitterPoint { source, uv: Vec2::ZERO, pdf }
+            EmitterPoint { source, uv: None, pdf }
         };
         let point = match &self.surface {
             Surface::Triangle(corners) => self.of_triangles(&[*corners], from, u)?,
@@ -276,7 +285,7 @@ impl Emitter {
                     },
                     |(_, pdf)| pdf,
                 );
-                EmitterPoint { source: self.source(position, normal), uv, pdf }
+                EmitterPoint { source: self.source(position, normal), uv: Some(uv), pdf }
             }
             Surface::TwoTriangles(corners) => {
                 self.of_triangles(&flat::halves(*corners), from, u)?
@@ -351,7 +360,7 @@ impl Emitter {
         let pdf = solid_angle_density(density, from, position, normal);
         // The parameters of the second triangle of a quad start at the opposite corner.
         let uv = if index == 0 { place } else { 1.0 - place };
-        Some(EmitterPoint { source: self.source(position, normal), uv, pdf })
+        Some(EmitterPoint { source: self.source(position, normal), uv: Some(uv), pdf })
     }
 
     /// Returns the density of [`Self::of_triangles`].

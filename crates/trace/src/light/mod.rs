@@ -92,8 +92,8 @@ pub struct LightSample {
     pub pdf: f32,
     /// Point on the light, or `None` for an environment, which is infinitely far away.
     pub source: Option<LightSource>,
-    /// Number of the emitter, and parameters of the point on it.
-    emitter: Option<(u32, Vec2)>,
+    /// Number of the emitter, and parameters of the point on it unless it is round.
+    emitter: Option<(u32, Option<Vec2>)>,
 }
 
 /// A point on an emitting surface, in world space.
@@ -274,9 +274,11 @@ impl Lights {
     /// If `scene` is not the scene that the lights were built from, and lacks an index of theirs.
     #[must_use]
     pub fn radiance(&self, scene: &Scene, light: &LightSample) -> Vec3 {
-        match light.emitter {
-            Some((emitter, uv)) => self.emitters[emitter as usize].radiance(scene, uv),
-            None => scene.eval_environment(light.incoming),
+        match (light.emitter, &light.source) {
+            (Some((emitter, uv)), Some(source)) => {
+                self.emitters[emitter as usize].radiance(scene, uv, source)
+            }
+            _ => scene.eval_environment(light.incoming),
         }
     }
 

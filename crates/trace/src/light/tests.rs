@@ -1,5 +1,6 @@
 //! Sampled lights against integrals over their exact surfaces, in `f64`.
 
+mod colors;
 mod irradiance;
 
 use super::{Lights, Receiver};
