@@ -93,7 +93,7 @@ fn a_leak_of_one_pixel_is_caught() {
 
 #[test]
 fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
-    let mut shares = Vec::new();
+    let (mut shares, mut too_noisy) = (Vec::new(), Vec::<String>::new());
     for case in of_folder(&folder()).unwrap() {
         let reference = Reference::read(&case.reference).unwrap().moments;
         let zeros = vec![DVec3::ZERO; reference.mean.len()];
@@ -118,12 +118,15 @@ fn a_black_pixel_is_caught_in_most_places_of_any_picture() {
         let least = match case.name.as_str() {
             "lights-vanilla" | "lights-enhanced" => 0.5,
             // Glass in most of the picture.
-            "dielectrics" => 0.7,
+            "dielectrics" | "fresnel" => 0.7,
             _ => 0.8,
         };
-        assert!(share > least, "{}: {share:.3} of all pixels", case.name);
+        if share <= least {
+            too_noisy.push(format!("{}: {share:.3} of all pixels", case.name));
+        }
         shares.push(share);
     }
+    assert!(too_noisy.is_empty(), "{too_noisy:?}");
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
     assert!(mean > 0.9, "{mean:.3} of all pixels of all pictures");
 }

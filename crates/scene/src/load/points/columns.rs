@@ -202,7 +202,8 @@ mod tests {
 
     #[test]
     fn names_of_any_program_are_understood() {
-        let table: [(&str, &[Option<Role>], &[&str]); 9] = [
+        type Row<'a> = (&'a str, &'a [Option<Role>], &'a [&'a str]);
+        let table: [Row<'_>; 9] = [
             ("x y z", &[Some(X), Some(Y), Some(Z)], &[]),
             ("\"Z\" 'Y' X(m)", &[Some(Z), Some(Y), Some(X)], &[]),
             ("id Easting Northing Elevation", &[None, Some(X), Some(Y), Some(Z)], &["id"]),
@@ -236,7 +237,8 @@ mod tests {
     #[test]
     fn values_tell_colours_intensities_and_normals_apart() {
         let position: &[Option<Role>] = &[Some(X), Some(Y), Some(Z)];
-        let table: [(&str, &[&[f64]], bool, &[Option<Role>]); 9] = [
+        type Row<'a> = (&'a str, &'a [&'a [f64]], bool, &'a [Option<Role>]);
+        let table: [Row<'_>; 9] = [
             ("nothing", &[&[]], false, &[]),
             ("intensity", &[&[-1200.0]], false, &[Some(Intensity)]),
             ("bytes", &[&[255.0, 0.0, 7.0]], false, &[Some(Red), Some(Green), Some(Blue)]),
