@@ -125,13 +125,18 @@ pub(super) fn frame(shapes: &[Drawn<'_>]) -> Frame {
     let count: usize = shapes.iter().map(Drawn::count).sum();
     let center = center(shapes);
     let distance = |(p, radius): (Vec3, f32)| p.distance(center) + radius;
-    let add = |mut counts: Octaves, ball| {
+    // Boxed: `fold` moves the sum with every ball.
+    let zero = || Box::new([0; 256]);
+    let add = |mut counts: Box<Octaves>, ball| {
         counts[octave(distance(ball))] += 1;
         counts
     };
-    let sum = |a: Octaves, b: Octaves| std::array::from_fn(|i| a[i] + b[i]);
+    let sum = |mut a: Box<Octaves>, b: Box<Octaves>| {
+        a.iter_mut().zip(*b).for_each(|(a, b)| *a += b);
+        a
+    };
     let balls = || shapes.par_iter().flat_map(Drawn::balls);
-    let counts = balls().fold(|| [0; 256], add).reduce(|| [0; 256], sum);
+    let counts = balls().fold(zero, add).reduce(zero, sum);
     let farthest_octave = farthest_octave(&counts, shapes.iter().any(|shape| shape.joined));
     let inside = || balls().filter(|&ball| octave(distance(ball)) <= farthest_octave);
 
