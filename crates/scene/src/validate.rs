@@ -115,6 +115,18 @@ fn first_error<T: Sync>(
     items.par_iter().enumerate().find_map_first(error).map_or(Ok(()), Err)
 }
 
+impl Camera {
+    /// Checks what [`Scene::validate`] checks of a camera, which errors call `cameras[0]`.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite, the frame has no inverse, or lens, film, aspect or focus is not
+    /// positive.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        camera(0, self)
+    }
+}
+
 fn camera(index: usize, camera: &Camera) -> Result<(), SceneError> {
     let item = || item("cameras", index, &camera.name);
     if !camera.world_from_camera.is_finite() {

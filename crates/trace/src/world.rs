@@ -14,7 +14,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// [`Self::closest`] and [`Self::any`], samples [`Self::lights`], and fills a [`crate::Film`].
 ///
 /// A world borrows its scene, so it always fits. After an edit of the scene, make a new world: from
-/// nothing by [`Self::new`], or by [`Self::from_parts`] with trees that were refitted.
+/// nothing by [`Self::new`], or by [`Self::from_parts`] with trees that were refitted. A
+/// [`crate::Stage`] does so for edits of methods, overlaps and cameras.
 #[derive(Debug)]
 pub struct World<'a> {
     scene: &'a Scene,
@@ -22,8 +23,11 @@ pub struct World<'a> {
     lights: Cow<'a, Lights>,
     facts: Facts,
     /// The scene about the far camera that was rendered last.
-    near: Mutex<Option<Arc<Near>>>,
+    near: Arc<NearCache>,
 }
+
+/// The scene about the far camera that was rendered last, if there was one.
+pub(crate) type NearCache = Mutex<Option<Arc<Near>>>;
 
 impl<'a> World<'a> {
     /// Builds trees and lights on the threads of the current rayon pool. There is no progress
@@ -61,7 +65,18 @@ impl<'a> World<'a> {
     }
 
     fn assemble(scene: &'a Scene, trees: Cow<'a, Trees>, lights: Cow<'a, Lights>) -> Self {
-        Self { scene, trees, lights, facts: Facts::new(scene), near: Mutex::new(None) }
+        Self { scene, trees, lights, facts: Facts::new(scene), near: Arc::default() }
+    }
+
+    /// Puts a world together from parts that are known to fit.
+    pub(crate) fn of_stage(
+        scene: &'a Scene,
+        trees: &'a Trees,
+        lights: &'a Lights,
+        facts: Facts,
+        near: Arc<NearCache>,
+    ) -> Self {
+        Self { scene, trees: Cow::Borrowed(trees), lights: Cow::Borrowed(lights), facts, near }
     }
 
     /// Returns the scene.

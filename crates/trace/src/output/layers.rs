@@ -7,11 +7,19 @@ use exr::prelude::{
 };
 use glam::Vec3;
 use rotund_image::{EXR_ENCODING, Image};
+use std::io::Cursor;
 use std::path::Path;
 
-/// Writes a picture and its layers into one EXR: `R G B A` are the picture, `albedo.R` to
-/// `position.Z` the layers, by the naming that compositors group channels by; `instance.id`,
-/// `element.id` and `material.id` are unsigned integers.
+/// A reason why layers cannot be encoded.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{problem}")]
+#[non_exhaustive]
+pub struct LayersError {
+    /// One sentence.
+    pub problem: String,
+}
+
+/// Writes a picture and its layers into one EXR; see [`encode_layers`].
 ///
 /// # Errors
 ///
@@ -26,6 +34,28 @@ pub fn write_layers(
     if let Some(problem) = misfit(image, layers) {
         return Err(WriteError::Encode { path: path.into(), source: problem.into() });
     }
+    write_with(path, |file| exr_image(image, layers).write().to_buffered(file))
+}
+
+/// Encodes a picture and its layers as one EXR: `R G B A` are the picture, `albedo.R` to
+/// `position.Z` the layers, by the naming that compositors group channels by; `instance.id`,
+/// `element.id` and `material.id` are unsigned integers.
+///
+/// # Errors
+///
+/// If the layers are not of the size of the picture, or picture or layers do not hold
+/// `width * height` pixels.
+pub fn encode_layers(image: &Image, layers: &Layers) -> Result<Vec<u8>, LayersError> {
+    if let Some(problem) = misfit(image, layers) {
+        return Err(LayersError { problem });
+    }
+    let mut bytes = Cursor::new(Vec::new());
+    let written = exr_image(image, layers).write().to_buffered(&mut bytes);
+    written.map_err(|error| LayersError { problem: error.to_string() })?;
+    Ok(bytes.into_inner())
+}
+
+fn exr_image(image: &Image, layers: &Layers) -> ExrImage<Layer<AnyChannels<FlatSamples>>> {
     let size = (image.width as usize, image.height as usize);
     let mut channels = Vec::new();
     let mut add = |name: &str, samples| channels.push(AnyChannel::new(name, samples));
@@ -46,7 +76,7 @@ pub fn write_layers(
     }
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let layer = Layer::new(size, LayerAttributes::default(), EXR_ENCODING, channels);
-    write_with(path, |file| ExrImage::from_layer(layer).write().to_buffered(file))
+    ExrImage::from_layer(layer)
 }
 
 /// Returns why picture and layers do not make one file, if so.

@@ -4,7 +4,7 @@ mod checkpoint;
 mod layers;
 
 pub use checkpoint::{CheckpointError, load_film, load_film_header, save_film, save_film_unless};
-pub use layers::write_layers;
+pub use layers::{LayersError, encode_layers, write_layers};
 pub use rotund_image::{WriteError, sweep, write_with};
 
 use crate::Film;
