@@ -47,11 +47,7 @@ impl Outbox {
         let mut content = self.lock();
         match event {
             Event::State(ref state) => {
-                content.epoch = state.epoch;
-                // A picture of before must not be taken for one of this state.
-                for frame in &mut content.frames {
-                    *frame = frame.take().filter(|frame| frame.header.epoch >= state.epoch);
-                }
+                content.start_epoch(state.epoch);
                 content.state = Some(event);
             }
             Event::Status(_) => content.status = Some(event),
@@ -116,6 +112,14 @@ impl Outbox {
 }
 
 impl Content {
+    /// Drops the pictures of before, which must not be taken for one of this epoch.
+    fn start_epoch(&mut self, epoch: u64) {
+        self.epoch = epoch;
+        for frame in &mut self.frames {
+            *frame = frame.take().filter(|frame| frame.header.epoch >= epoch);
+        }
+    }
+
     fn take(&mut self) -> Option<Output> {
         // The state comes before the frames that show it.
         let event = self.state.take().or_else(|| self.loading.take());
@@ -140,4 +144,96 @@ impl Content {
 impl Side {
     /// Both sides, in the order of their indices.
     pub(crate) const ALL: [Self; 2] = [Self::Chosen, Self::Vanilla];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::{Activity, Status};
+
+    const NOW: Duration = Duration::ZERO;
+
+    fn header(side: Side, epoch: u64, samples: u32) -> FrameHeader {
+        let (id, input, width, height, preview, media) = (0, 0, 1, 1, false, "image/png");
+        FrameHeader { id, epoch, side, input, width, height, samples, preview, media }
+    }
+
+    fn status(samples: u32) -> Event {
+        Event::Status(Status {
+            epoch: 0,
+            activity: Activity::Refining,
+            samples,
+            wanted: 9,
+            rays_per_second: 1.0,
+            seconds: 1.0,
+            noise: None,
+            fireflies: 0,
+        })
+    }
+
+    /// Returns the samples of the frames that are given out until there are none.
+    fn frames(outbox: &Outbox) -> Vec<u32> {
+        std::iter::from_fn(|| outbox.next(NOW))
+            .filter_map(|output| match output {
+                Output::Frame(frame) => Some(frame.header.samples),
+                Output::Event(_) => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_client_that_does_not_read_finds_the_latest_of_everything_only() {
+        let outbox = Outbox::default();
+        for samples in 1..=1000 {
+            outbox.post(status(samples));
+            outbox.post_frame(header(Side::Chosen, 0, samples), vec![0; 1000]);
+            outbox.post(Event::Problem { text: samples.to_string() });
+        }
+        let outputs: Vec<Output> = std::iter::from_fn(|| outbox.next(NOW)).collect();
+        assert_eq!(outputs.len(), MOST_EVENTS + 2, "problems, a frame and a status");
+        let last = |output: &Output| match output {
+            Output::Event(Event::Status(status)) => status.samples == 1000,
+            Output::Frame(frame) => frame.header.samples == 1000,
+            Output::Event(_) => false,
+        };
+        assert_eq!(outputs.iter().filter(|output| last(output)).count(), 2);
+    }
+
+    #[test]
+    fn frames_wait_until_earlier_ones_have_been_shown() {
+        let outbox = Outbox::default();
+        let post = |samples| outbox.post_frame(header(Side::Chosen, 0, samples), vec![]);
+        let mut given = Vec::new();
+        for samples in 1..=5 {
+            post(samples);
+            given.extend(frames(&outbox));
+        }
+        assert_eq!(given, [1, 2], "no more than two are on their way");
+        outbox.shown(&Request::Shown { frame: 2 });
+        assert_eq!(frames(&outbox), [5], "those between have been replaced");
+    }
+
+    #[test]
+    fn frames_of_an_earlier_epoch_are_not_given_out() {
+        let outbox = Outbox::default();
+        outbox.post_frame(header(Side::Chosen, 1, 1), vec![]);
+        outbox.post_frame(header(Side::Vanilla, 2, 2), vec![]);
+        outbox.lock().start_epoch(2);
+        // Encoded late.
+        outbox.post_frame(header(Side::Chosen, 1, 3), vec![]);
+        assert_eq!(frames(&outbox), [2]);
+    }
+
+    #[test]
+    fn waiting_ends_when_something_comes_or_the_session_ends() {
+        let outbox = Outbox::default();
+        std::thread::scope(|scope| {
+            let first = scope.spawn(|| outbox.next(Duration::from_secs(60)));
+            outbox.post(Event::Solved);
+            assert!(first.join().expect("no panic").is_some());
+            let second = scope.spawn(|| outbox.next(Duration::from_secs(60)));
+            outbox.close();
+            assert!(second.join().expect("no panic").is_none());
+        });
+    }
 }
