@@ -30,6 +30,10 @@ struct Image;
 struct Golden;
 
 #[cfg(doctest)]
+#[doc = include_str!("../../crates/denoise/README.md")]
+struct Denoise;
+
+#[cfg(doctest)]
 #[doc = include_str!("../../crates/report/README.md")]
 struct Report;
 

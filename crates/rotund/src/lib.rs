@@ -36,6 +36,7 @@ mod checkpoint;
 mod choice;
 mod compare;
 mod completions;
+mod denoised;
 mod diff;
 mod exit;
 mod golden;

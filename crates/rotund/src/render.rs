@@ -4,6 +4,7 @@ use crate::background::{self, Background};
 use crate::cancel::Cancel;
 use crate::checkpoint::{Checkpoint, CheckpointArgs};
 use crate::choice;
+use crate::denoised::Denoised;
 use crate::exit::{Cancelled, NoCheckpoint};
 use crate::kinds::enhance;
 use crate::memory;
@@ -14,7 +15,7 @@ use crate::progress::rays_per_second;
 use crate::shot::{PictureArgs, odd_samples, take_on};
 use anyhow::{Error, Result, bail};
 use rotund_geometry::Method;
-use rotund_image::Format;
+use rotund_image::{Format, Image};
 use rotund_report::console::say;
 use rotund_trace::{Film, Options, View, World, output};
 use std::ffi::OsString;
@@ -31,7 +32,8 @@ Examples:
   rotund render shapes4 --checkpoint a.film --resume --out shapes4.exr
   rotund render shapes4 --checkpoint {shard}.film --resume --shard 2/8
   rotund render shapes4 --view shading-normal --samples 4 --out normals.png
-  rotund render shapes4 --layers --out shapes4.exr";
+  rotund render shapes4 --layers --out shapes4.exr
+  rotund render shapes4 --samples 16 --denoise --out shapes4.png";
 
 /// The names of the methods, each with a line of help.
 fn methods() -> [(&'static str, &'static str); 2] {
@@ -74,6 +76,11 @@ pub struct Args {
     /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.
     #[arg(long, requires = "out")]
     layers: bool,
+    /// Write a denoised picture beside the plain one: `a.denoised.png` beside `a.png`. It takes
+    /// Intel Open Image Denoise 2, which is looked for at run time; the variable ROTUND_OIDN names
+    /// its library.
+    #[arg(long, requires = "out")]
+    denoise: bool,
     /// The method that points, lines and quads are traced by.
     #[arg(long, value_parser = choice::parser::<Method>(methods()), default_value = "enhanced")]
     mode: Method,
@@ -96,12 +103,18 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
     }
     let transparent = args.transparent || args.background.is_some();
     args.picture.loading.without_floor = transparent;
+    // Before the render: a library that is missing is known at once, and not after a night.
+    let denoised = out.as_deref().filter(|_| args.denoise).map(Denoised::beside).transpose()?;
     let checkpoint = args.checkpoint.path()?;
     if let Some(checkpoint) = &checkpoint {
         check_file(checkpoint)?;
     }
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
-    let outputs = [("--out", out.as_deref()), ("--checkpoint", checkpoint.as_deref())];
+    let outputs = [
+        ("--out", out.as_deref()),
+        ("--denoise", denoised.as_ref().map(Denoised::path)),
+        ("--checkpoint", checkpoint.as_deref()),
+    ];
     let outputs: Vec<_> = outputs.iter().filter_map(|&(name, path)| Some((name, path?))).collect();
     check_distinct(&outputs, &scene.files)?;
     let shard = args.checkpoint.shard.unwrap_or_default();
@@ -130,27 +143,34 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
             }
         };
         let shot = take_on(film, &world, camera, &options, label, &mut keep)?;
-        let layers = args.layers.then(|| world.layers(camera, &options)).transpose();
+        let wants_layers = args.layers || denoised.is_some();
+        let layers = wants_layers.then(|| world.layers(camera, &options)).transpose();
         Ok((shot, layers))
     })?;
     let film = &shot.film;
     // The picture comes first, and neither failure costs the other file.
     let written = out.as_deref().map(|out| {
-        let image = match args.background {
-            Some(Background(color)) => film.image().before(color),
-            None => film.image(),
+        let before = |image: Image| match args.background {
+            Some(Background(color)) => image.before(color),
+            None => image,
         };
-        match layers? {
-            Some(layers) => Ok(output::write_layers(out, &image, &layers)?),
-            None => Ok(image.write(out)?),
+        let image = film.image();
+        let layers = layers?;
+        match layers.as_ref().filter(|_| args.layers) {
+            Some(layers) => output::write_layers(out, &before(image.clone()), layers)?,
+            None => before(image.clone()).write(out)?,
         }
+        if let (Some(denoised), Some(layers)) = (&denoised, &layers) {
+            denoised.write(&image, layers, before)?;
+        }
+        Ok(())
     });
     let saved = checkpoint.as_mut().map(|checkpoint| checkpoint.save(film));
     let checkpoint = checkpoint.as_ref().map(Checkpoint::path);
     let lost = judge(written, saved, checkpoint)?;
     let kept = checkpoint.filter(|_| lost.is_none());
-    let files: Vec<_> =
-        [out.as_deref(), kept].iter().flatten().map(|path| path.display().to_string()).collect();
+    let files = [out.as_deref(), denoised.as_ref().map(Denoised::path), kept];
+    let files: Vec<_> = files.iter().flatten().map(|path| path.display().to_string()).collect();
     let files = files.join(" and ");
     if shot.interrupted {
         if let Some(lost) = lost {

@@ -5,13 +5,14 @@ use std::path::Path;
 use std::process::Command;
 
 /// Each crate, and the crates of the workspace that it may depend on, for its tests too.
-const MAY_USE: [(&str, &[&str]); 12] = [
+const MAY_USE: [(&str, &[&str]); 13] = [
     ("rotund-geometry", &[]),
     ("rotund-image", &[]),
     ("rotund-bvh", &["rotund-geometry"]),
     ("rotund-scene", &["rotund-geometry", "rotund-bvh", "rotund-image"]),
     ("rotund-trace", &["rotund-geometry", "rotund-bvh", "rotund-image", "rotund-scene"]),
     ("rotund-report", &["rotund-image"]),
+    ("rotund-denoise", &["rotund-image"]),
     (
         "rotund-golden",
         &[
@@ -32,6 +33,7 @@ const MAY_USE: [(&str, &[&str]); 12] = [
             "rotund-scene",
             "rotund-trace",
             "rotund-report",
+            "rotund-denoise",
             "rotund-golden",
         ],
     ),
@@ -68,6 +70,7 @@ const MAY_USE: [(&str, &[&str]); 12] = [
             "rotund-scene",
             "rotund-trace",
             "rotund-report",
+            "rotund-denoise",
             "rotund-golden",
             "rotund",
             "xtask",
