@@ -31,10 +31,8 @@ fn error(image: &Image) -> f64 {
 
 #[test]
 fn a_denoised_picture_is_nearer_to_the_truth_and_keeps_alpha() {
-    let Ok(denoiser) = Denoiser::load() else {
-        println!("skipped: Open Image Denoise is not installed");
-        return;
-    };
+    // Without the library there is nothing to test but its absence, below.
+    let Ok(denoiser) = Denoiser::load() else { return };
     assert!(denoiser.version().starts_with("2."), "{}", denoiser.version());
     let noisy = noisy();
     let color = |[r, g, b, _]: &[f32; 4]| [*r, *g, *b];
