@@ -43,8 +43,11 @@ pub fn survives(target: &str, bytes: &[u8], ratio: usize, more: usize) {
         let folder = tempfile::tempdir().expect("a temporary folder").keep();
         // Create threads and tables first, since they are allocated once.
         let warm = folder.join("warm.json");
-        fs::write(&warm, r#"{ "shapes": [{ "generator": { "disk": { "steps": 2, "radius": 1 } } }] }"#)
-            .expect("writes the scene");
+        fs::write(
+            &warm,
+            r#"{ "shapes": [{ "generator": { "disk": { "steps": 2, "radius": 1 } } }] }"#,
+        )
+        .expect("writes the scene");
         load(&warm, &LoadOptions::default()).expect("loads");
         folder
     });
@@ -53,8 +56,11 @@ pub fn survives(target: &str, bytes: &[u8], ratio: usize, more: usize) {
     fs::write(FOLDER.join(&name), &file).expect("writes the file");
     fs::write(FOLDER.join(input::MESH.0), input::MESH.1).expect("writes the mesh");
     fs::write(FOLDER.join("scene.json"), &scene).expect("writes the scene");
-    let lone = input::lone(target, &name);
-    // The floor and the sky around a lone shape take as much again.
+    // The sky around a lone shape takes a hundred times as long as the shape of such a file, so few
+    // inputs are loaded that way: those whose sum is a multiple of 16.
+    let sum = bytes.iter().fold(0_u8, |sum, &byte| sum.wrapping_add(byte));
+    let lone = input::lone(target, &name).filter(|_| sum % 16 == 0);
+    // The floor and the sky take as much memory again.
     let loads = [Some(("scene.json".to_owned(), FIXED)), lone.map(|lone| (lone, 4 * FIXED))];
     for (name, fixed) in loads.into_iter().flatten() {
         let before = LIVE.load(Relaxed);

@@ -218,7 +218,7 @@ impl Seat {
                 self.set_size(width, height, keep_aspect, place.as_deref());
             }
             (Request::Settings { settings }, place) => {
-                self.set_settings(settings, place.as_deref())
+                self.set_settings(settings, place.as_deref());
             }
             (Request::Camera { camera }, place) => {
                 let camera = Camera::from(&camera);

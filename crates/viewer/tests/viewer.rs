@@ -19,8 +19,7 @@ const SIZE: (u32, u32) = (90, 60);
 /// Two balls, a line and a bent quad under a sky, seen by two cameras.
 fn scene() -> Scene {
     let at = |x: f32, y: f32, z: f32| glam::Vec3::new(x, y, z);
-    let mut scene = Scene::default();
-    scene.cameras = vec![
+    let cameras = vec![
         Camera {
             name: "front".into(),
             ..Camera::look_at(at(0.0, 1.0, 6.0), at(0.0, 0.5, 0.0), at(0.0, 1.0, 0.0))
@@ -30,6 +29,7 @@ fn scene() -> Scene {
             ..Camera::look_at(at(6.0, 1.0, 0.0), at(0.0, 0.5, 0.0), at(0.0, 1.0, 0.0))
         },
     ];
+    let mut scene = Scene { cameras, ..Scene::default() };
     scene.environments.push(Environment {
         name: "sky".into(),
         world_from_environment: Default::default(),
