@@ -119,12 +119,22 @@ impl Viewer {
     /// until the new one is there.
     #[must_use]
     pub fn open(load: impl FnMut() -> Result<Content, String> + Send + 'static) -> Self {
+        Self::open_watching(Vec::new(), load)
+    }
+
+    /// Does the same, and watches `files` until the scene has been loaded once: if it cannot be, it
+    /// is tried again when one of them changes. Afterwards the files of the content are watched.
+    #[must_use]
+    pub fn open_watching(
+        files: Vec<PathBuf>,
+        load: impl FnMut() -> Result<Content, String> + Send + 'static,
+    ) -> Self {
         let bell = Arc::new(Bell::default());
         bell.set_loading(Some("reading the scene"));
         let engine = Engine::new(Arc::clone(&bell));
         thread::spawn(move || engine.run());
         let own = Arc::clone(&bell);
-        thread::spawn(move || load_and_watch(&own, load));
+        thread::spawn(move || load_and_watch(&own, files, load));
         Self { bell }
     }
 
@@ -159,12 +169,16 @@ impl Drop for Viewer {
 }
 
 /// Loads the scene, and again after changes of its files, until the viewer ends.
-fn load_and_watch(bell: &Bell, mut load: impl FnMut() -> Result<Content, String>) {
-    let mut watch = None;
+fn load_and_watch(
+    bell: &Bell,
+    files: Vec<PathBuf>,
+    mut load: impl FnMut() -> Result<Content, String>,
+) {
+    let mut watch = Watch::new(files, SystemTime::now());
     loop {
         let start = SystemTime::now();
         let result = load().and_then(|content| {
-            watch = Some(Watch::new(content.files.clone(), start));
+            watch = Watch::new(content.files.clone(), start);
             bell.set_loading(Some("building the trees"));
             Place::new(content).map(Box::new).map_err(|error| error.to_string())
         });
@@ -175,8 +189,6 @@ fn load_and_watch(bell: &Bell, mut load: impl FnMut() -> Result<Content, String>
         board.loaded = Some(result);
         drop(board);
         bell.ring();
-        // A scene that could never be read names no files.
-        let Some(watch) = &mut watch else { return };
         while !watch.has_settled_change() {
             if bell.lock().ended {
                 return;

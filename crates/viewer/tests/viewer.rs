@@ -406,6 +406,27 @@ fn a_scene_that_cannot_be_loaded_is_an_error_of_the_first_loading() {
 }
 
 #[test]
+fn a_scene_that_is_mended_after_the_first_loading_failed_is_shown() {
+    let path = std::env::temp_dir().join(format!("rotund-viewer-mended-{}", std::process::id()));
+    fs::write(&path, "broken").expect("written");
+    let file = path.clone();
+    let viewer = Viewer::open_watching(vec![path.clone()], move || {
+        match fs::read_to_string(&file).expect("a file").as_str() {
+            "broken" => Err("the scene is broken".to_owned()),
+            _ => Ok(content()),
+        }
+    });
+    assert!(viewer.loaded().is_err());
+    let session = connect(&viewer);
+    assert_eq!(wait_for_problem(&session), "the scene is broken");
+    fs::write(&path, "mended").expect("written");
+    let state = wait_for_state(&session, |state| state.scene == "balls");
+    assert_eq!(state.settings, few(), "what was asked for before there was a scene");
+    wait_for_finished(&session, Side::Chosen, state.epoch);
+    fs::remove_file(&path).expect("removed");
+}
+
+#[test]
 fn the_end_of_the_viewer_ends_its_sessions() {
     let viewer = open();
     let session = connect(&viewer);
