@@ -6,6 +6,7 @@ use rotund_scene::Scene;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+mod child;
 mod farm_check;
 mod moved;
 mod tidy;
@@ -15,6 +16,7 @@ const EXAMPLES: &str = "\
 Examples:
   cargo xtask compare shapes4
   cargo xtask render shapes4 --mode vanilla --out vanilla.png
+  cargo xtask view shapes4
   cargo xtask golden
   cargo xtask accuracy
   cargo xtask rays spheres-1M cones-1M patches-1M
@@ -85,7 +87,7 @@ struct RaysArgs {
 /// for the workspace.
 fn program() -> clap::Command {
     let golden = workspace::root().join("tests/golden");
-    rotund::with_examples_of("cargo xtask", Cli::command())
+    let program = rotund::with_examples_of("cargo xtask", Cli::command())
         .mut_subcommand("golden", |command| {
             command.after_help(GOLDEN_EXAMPLES).mut_arg("dir", |dir| {
                 // Custom scenes need a folder of their own.
@@ -95,7 +97,8 @@ fn program() -> clap::Command {
                     .default_value_if("scenes", ArgPredicate::IsPresent, None)
             })
         })
-        .mut_subcommand("completions", |command| command.after_help(COMPLETIONS_EXAMPLES))
+        .mut_subcommand("completions", |command| command.after_help(COMPLETIONS_EXAMPLES));
+    child::add_to(program)
 }
 
 /// Loads a scene for a measurement.
@@ -124,6 +127,10 @@ impl Command {
 /// Parses `arguments` (the first names the program), runs the command, reports failure on
 /// standard error and returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    if let Some(code) = child::run(&arguments) {
+        return code;
+    }
     rotund::check_environment();
     rotund::report(run(arguments))
 }
@@ -155,8 +162,17 @@ mod tests {
     #[test]
     fn every_command_of_the_program_is_passed_on() {
         program().debug_assert();
-        let rotund =
-            ["compare", "render", "merge", "diff", "noise", "info", "golden", "completions"];
+        let rotund = [
+            "compare",
+            "render",
+            "view",
+            "merge",
+            "diff",
+            "noise",
+            "info",
+            "golden",
+            "completions",
+        ];
         let names: Vec<_> = program().get_subcommands().map(|c| c.get_name().to_owned()).collect();
         for name in rotund {
             assert!(names.iter().any(|found| found == name), "{name}");

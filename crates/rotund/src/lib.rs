@@ -52,6 +52,8 @@ mod progress;
 mod render;
 mod scene_source;
 mod shot;
+#[cfg(feature = "view")]
+mod view;
 
 pub use exit::{Cancelled, EXIT_CODES};
 pub use kinds::enhance;
@@ -62,6 +64,7 @@ pub use shot::{PictureArgs, Shot, take};
 const EXAMPLES: &str = "\
 Examples:
   rotund compare shapes4
+  rotund view shapes4
   rotund compare --all --samples 16
   rotund render shapes4 --mode vanilla --out vanilla.png
   rotund render cloud.ply --radius 0.01 --out cloud.png
@@ -85,6 +88,9 @@ pub enum Command {
     Compare(compare::Args),
     /// Render one picture of a scene.
     Render(render::Args),
+    /// Show a scene in the browser, where it can be turned and switched.
+    #[cfg(feature = "view")]
+    View(view::Args),
     /// Merge the shards of a render into one picture.
     Merge(merge::Args),
     /// Measure the difference of two images.
@@ -110,6 +116,8 @@ impl Command {
         match self {
             Self::Compare(args) => compare::run(args),
             Self::Render(args) => render::run(args),
+            #[cfg(feature = "view")]
+            Self::View(args) => view::run(args),
             Self::Merge(args) => merge::run(args),
             Self::Diff(args) => diff::run(args),
             Self::Noise(args) => noise::run(args),

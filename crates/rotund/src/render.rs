@@ -17,6 +17,7 @@ use anyhow::{Error, Result, bail};
 use rotund_geometry::Method;
 use rotund_image::{Format, Image};
 use rotund_report::console::say;
+use rotund_scene::Overlap;
 use rotund_trace::{Film, Options, View, World, output};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -49,6 +50,13 @@ fn methods() -> [(&'static str, &'static str); 2] {
 /// The names of the views, each with a line of help.
 fn views() -> impl Iterator<Item = (&'static str, &'static str)> {
     View::ALL.into_iter().map(|view| (view.name(), view.description()))
+}
+
+/// What overlapping elements are, on the command line.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum OverlapKind {
+    Union,
+    Separate,
 }
 
 /// Options of `render`.
@@ -84,6 +92,10 @@ pub struct Args {
     /// The method that points, lines and quads are traced by.
     #[arg(long, value_parser = choice::parser::<Method>(methods()), default_value = "enhanced")]
     mode: Method,
+    /// Make the points or lines of a shape that overlap one body, or give each its own whole
+    /// surface. Default: as the scene says.
+    #[arg(long, value_enum)]
+    overlap: Option<OverlapKind>,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -132,6 +144,11 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
         Method::Enhanced => args.picture.kinds.kinds(),
     };
     enhance(&mut scene.scene, &kinds);
+    match args.overlap {
+        None => {}
+        Some(OverlapKind::Union) => scene.scene.set_overlap(Overlap::Union),
+        Some(OverlapKind::Separate) => scene.scene.set_overlap(Overlap::Separate),
+    }
     let origin = origin(&scene, camera, &options);
     let (film, mut checkpoint) = args.checkpoint.open(&options, origin)?;
     memory::check_scene(&scene.scene)?;

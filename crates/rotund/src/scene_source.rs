@@ -3,7 +3,7 @@
 use crate::message::warn;
 use crate::{built_in, memory};
 use anyhow::{Context, Error, Result, bail};
-use rotund_scene::{LoadOptions, LoadProblem, Loaded, Scene, Up};
+use rotund_scene::{Camera, LoadOptions, LoadProblem, Loaded, Scene, Up, load_bytes};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -56,6 +56,21 @@ fn radius(text: &str) -> Result<f32, String> {
 }
 
 impl LoadArgs {
+    /// Returns the arguments as words of a command line.
+    #[cfg(feature = "view")]
+    pub(crate) fn words(&self) -> Vec<String> {
+        let Self { radius, up, without_floor: _, keep_going, allow_outside } = *self;
+        let mut words = Vec::new();
+        words.extend(radius.map(|radius| format!("--radius={radius}")));
+        words.extend(up.map(|axis| match axis {
+            UpAxis::Y => "--up=y".to_owned(),
+            UpAxis::Z => "--up=z".to_owned(),
+        }));
+        words.extend(keep_going.then(|| "--keep-going".to_owned()));
+        words.extend(allow_outside.then(|| "--allow-outside".to_owned()));
+        words
+    }
+
     fn options(&self) -> LoadOptions {
         LoadOptions {
             allow_outside_folder: self.allow_outside,
@@ -68,6 +83,13 @@ impl LoadArgs {
             without_floor: self.without_floor,
         }
     }
+}
+
+/// Whether there is a scene of this name, or a file.
+#[cfg(feature = "view")]
+pub(crate) fn exists(name_or_path: &OsStr) -> bool {
+    let is_built_in = |name| built_in::names().any(|built_in| built_in == name);
+    name_or_path.to_str().is_some_and(is_built_in) || Path::new(name_or_path).is_file()
 }
 
 /// Loads a scene by the name of a built-in one or by the path of a file, of a scene or of a shape,
@@ -114,12 +136,67 @@ pub(crate) fn load_silently(name_or_path: &OsStr, args: &LoadArgs) -> Result<(St
     Ok((name(path.file_stem().unwrap_or_default()), loaded))
 }
 
-/// Returns the index of the camera of that name, or of the first camera if `name` is `None`.
-pub(crate) fn find_camera(scene: &NamedScene, name: Option<&str>) -> Result<usize> {
+/// Returns the index of the camera of that name, or of the first camera if `name` is `None`. A
+/// camera as JSON is added to the scene.
+pub(crate) fn find_camera(scene: &mut NamedScene, name: Option<&str>) -> Result<usize> {
     let Some(name) = name else { return Ok(0) };
+    if name.trim_start().starts_with('{') {
+        scene.scene.cameras.push(camera_from_json(name)?);
+        return Ok(scene.scene.cameras.len() - 1);
+    }
     let cameras = &scene.scene.cameras;
     cameras.iter().position(|camera| camera.name == name).with_context(|| {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         format!("{} has no camera {name:?}, only: {}", scene.name, names.join(", "))
     })
+}
+
+/// Reads a camera as the loader reads an entry of `cameras` in a scene file.
+fn camera_from_json(text: &str) -> Result<Camera> {
+    // As a whole object it cannot end the list that it is put into.
+    let whole: serde_json::Result<serde_json::Map<_, _>> = serde_json::from_str(text);
+    whole.context("--camera is no JSON object")?;
+    let scene = format!("{{\"cameras\": [{text}]}}");
+    let options = LoadOptions::default();
+    let loaded = load_bytes("--camera", scene.as_bytes(), &|_| None, &options)?;
+    if let Some(warning) = loaded.warnings.first() {
+        bail!("{warning}");
+    }
+    loaded.scene.cameras.into_iter().next().context("--camera has no camera")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::camera_from_json;
+    use crate::message::one_line;
+
+    #[test]
+    fn a_camera_is_an_entry_of_cameras_in_a_scene_file() {
+        let text = r#"{"name": "near", "frame": [1,0,0, 0,1,0, 0,0,1, 0,1,3], "lens": 0.035}"#;
+        let camera = camera_from_json(text).expect("a camera");
+        assert_eq!((camera.name.as_str(), camera.lens, camera.aspect), ("near", 0.035, 1.5));
+        assert_eq!(camera.world_from_camera.translation.to_array(), [0.0, 1.0, 3.0]);
+        let usual = camera_from_json("{}").expect("a camera");
+        assert_eq!(usual, rotund_scene::Camera::default());
+    }
+
+    #[test]
+    fn a_mistake_in_a_camera_is_said_with_its_field() {
+        let table = [
+            ("a number that is none", r#"{"lens": NaN}"#, "--camera"),
+            ("no lens", r#"{"lens": 0}"#, "lens"),
+            ("too large a number", r#"{"focus": 1e99}"#, "focus"),
+            ("a text for a number", r#"{"lens": "long"}"#, "lens"),
+            ("eleven numbers", r#"{"frame": [1,0,0, 0,1,0, 0,0,1, 0,1]}"#, "frame"),
+            ("no inverse", r#"{"frame": [0,0,0, 0,0,0, 0,0,0, 0,0,0]}"#, "frame"),
+            ("an unknown field", r#"{"zoom": 2}"#, "zoom"),
+            ("half an object", r#"{"lens": 1"#, "--camera"),
+            ("more than an object", r#"{}], "shapes": [{}"#, "--camera"),
+        ];
+        for (why, text, word) in table {
+            let error = camera_from_json(text).err().unwrap_or_else(|| panic!("{why}: accepted"));
+            let message = one_line(&error);
+            assert!(message.contains("--camera") && message.contains(word), "{why}: {message}");
+        }
+    }
 }

@@ -31,7 +31,8 @@ fn parse_clamp(text: &str) -> Result<f32, String> {
 /// Options of one render.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ShotArgs {
-    /// Name of the camera. Default: the first one of the scene.
+    /// Name of the camera, or a camera as JSON, like an entry of `cameras` in a scene file. Default:
+    /// the first one of the scene.
     #[arg(long)]
     pub(crate) camera: Option<String>,
     /// Samples per pixel.
@@ -79,15 +80,16 @@ impl PictureArgs {
     ///
     /// If the scene cannot be loaded or has no such camera.
     pub fn load(&self, scene: &OsStr) -> Result<(NamedScene, usize, Options)> {
-        let scene = load(scene, &self.loading)?;
-        let (camera, options) = self.shot.resolve(&scene)?;
+        let mut scene = load(scene, &self.loading)?;
+        let (camera, options) = self.shot.resolve(&mut scene)?;
         Ok((scene, camera, options))
     }
 }
 
 impl ShotArgs {
-    /// Returns the index of the camera and the options of the render.
-    fn resolve(&self, scene: &NamedScene) -> Result<(usize, Options)> {
+    /// Returns the index of the camera, which may be added to the scene, and the options of the
+    /// render.
+    fn resolve(&self, scene: &mut NamedScene) -> Result<(usize, Options)> {
         let camera = find_camera(scene, self.camera.as_deref())?;
         let (width, height) = scene.scene.cameras[camera].resolution(self.resolution);
         let options = Options {

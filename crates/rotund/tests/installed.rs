@@ -137,8 +137,17 @@ fn completions_are_for_rotund_and_know_every_command() {
     ] {
         let script = succeed(folder.path(), &["completions", shell]);
         assert!(script.starts_with(start), "{shell}: {}", &script[..100]);
-        let commands =
-            ["compare", "render", "merge", "diff", "noise", "info", "golden", "completions"];
+        let commands = [
+            "compare",
+            "render",
+            "view",
+            "merge",
+            "diff",
+            "noise",
+            "info",
+            "golden",
+            "completions",
+        ];
         for command in commands {
             assert!(script.contains(command), "{shell}: {command}");
         }

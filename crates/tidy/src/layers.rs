@@ -5,12 +5,16 @@ use std::path::Path;
 use std::process::Command;
 
 /// Each crate, and the crates of the workspace that it may depend on, for its tests too.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("rotund-geometry", &[]),
     ("rotund-image", &[]),
     ("rotund-bvh", &["rotund-geometry"]),
     ("rotund-scene", &["rotund-geometry", "rotund-bvh", "rotund-image"]),
     ("rotund-trace", &["rotund-geometry", "rotund-bvh", "rotund-image", "rotund-scene"]),
+    (
+        "rotund-viewer",
+        &["rotund-geometry", "rotund-bvh", "rotund-image", "rotund-scene", "rotund-trace"],
+    ),
     ("rotund-report", &["rotund-image"]),
     ("rotund-denoise", &["rotund-image"]),
     (
@@ -35,6 +39,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "rotund-report",
             "rotund-denoise",
             "rotund-golden",
+            "rotund-viewer",
         ],
     ),
     (
@@ -49,6 +54,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         ],
     ),
     ("rotund-tidy", &["rotund-scene"]),
+    ("rotund-browser", &["rotund-report"]),
     (
         "xtask",
         &[

@@ -51,6 +51,32 @@ fn interrupted(folder: &Path, what: &str, options: &Options) -> anyhow::Error {
 }
 
 impl Comparison {
+    /// Compares two renders that are there.
+    ///
+    /// # Errors
+    ///
+    /// If they are not of one size.
+    pub(super) fn new(
+        scene: &str,
+        camera: &str,
+        options: &Options,
+        subject: Subject,
+        shots: [Shot; 2],
+    ) -> Result<Self> {
+        let pictures = shots.each_ref().map(|shot| shot.film.image());
+        let difference = Difference::between(&pictures[1], &pictures[0])?;
+        Ok(Self {
+            scene: scene.to_owned(),
+            camera: camera.to_owned(),
+            options: options.clone(),
+            subject,
+            shots,
+            pictures,
+            difference,
+            longer: None,
+        })
+    }
+
     /// Renders both pictures, and continues the faster one if `equal_time`.
     ///
     /// # Errors
@@ -78,19 +104,9 @@ impl Comparison {
         let second = take(scene, camera, options, names[1])?;
         let was_interrupted = second.interrupted;
         let done = second.film.samples();
-        let shots = [first, second];
-        let pictures = shots.each_ref().map(|shot| shot.film.image());
-        let difference = Difference::between(&pictures[1], &pictures[0])?;
-        let mut comparison = Self {
-            scene: source.name.clone(),
-            camera: source.scene.cameras[camera].name.clone(),
-            options: options.clone(),
-            subject,
-            shots,
-            pictures,
-            difference,
-            longer: None,
-        };
+        let camera_name = &source.scene.cameras[camera].name;
+        let mut comparison =
+            Self::new(&source.name, camera_name, options, subject, [first, second])?;
         if was_interrupted {
             comparison.write(folder)?;
             let what = format!("{} with all and {} with {done}", names[0], names[1]);
@@ -256,7 +272,8 @@ impl Comparison {
         )
     }
 
-    fn report(&self) -> Result<String> {
+    /// Returns the page about both pictures.
+    pub(super) fn report(&self) -> Result<String> {
         let page = rotund_report::compare::page(&Report {
             scene: &self.scene,
             settings: &self.settings(),

@@ -9,10 +9,14 @@
 use crate::built_in;
 use crate::output::{check_distinct, prepare_folder, write_text};
 use crate::shot::PictureArgs;
+#[cfg(feature = "view")]
+use crate::{kinds::Kind, shot::Shot};
 use anyhow::{Result, bail};
 use comparison::Comparison;
 use rotund_report::compare::index::{self, Entry};
 use rotund_report::console::say;
+#[cfg(feature = "view")]
+use rotund_trace::Options;
 use serde_json::Value;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -103,6 +107,19 @@ pub(crate) fn run(args: Args) -> Result<()> {
     } else {
         say(format!("\nopen {}", page.display()))
     }
+}
+
+/// Returns the page about two films of a scene, the first vanilla, the second with these kinds
+/// enhanced.
+#[cfg(feature = "view")]
+pub(crate) fn page_of(
+    scene: &str,
+    camera: &str,
+    options: &Options,
+    kinds: Vec<Kind>,
+    shots: [Shot; 2],
+) -> Result<String> {
+    Comparison::new(scene, camera, options, Subject::new(false, kinds), shots)?.report()
 }
 
 /// Compares one scene and prints its table; returns its metrics, its page and its card in the

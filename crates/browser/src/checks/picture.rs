@@ -1,0 +1,169 @@
+//! What the picture shows.
+
+use super::{after, after_setting, open};
+use crate::chromium::Chromium;
+use crate::viewer::Viewer;
+use anyhow::{Context as _, Result, bail, ensure};
+use base64::Engine as _;
+use serde_json::json;
+use std::path::Path;
+use std::process::Command;
+use std::thread::sleep;
+use std::time::Duration;
+
+pub(super) fn comes(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 4)?;
+    let colors = "new Set(new Uint32Array(find('picture').getContext('2d')\
+        .getImageData(0, 0, find('picture').width, find('picture').height).data.buffer)).size";
+    ensure!(page.number(colors)? > 1000.0, "the picture is nearly empty");
+    let text = page.string("find('samples').textContent")?;
+    ensure!(text == "4 of 4 samples", "the page says {text:?}");
+    let title = page.string("document.title")?;
+    ensure!(title.starts_with("shapes4"), "the title is {title:?}");
+    Ok(())
+}
+
+pub(super) fn boxes(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 2)?;
+    let exact = page.number("hash()")?;
+    for kind in ["points", "lines", "quads"] {
+        let click = || page.click(page.middle(&format!("[name={kind}]"))?);
+        let vanilla = after(&page, click)?;
+        ensure!(vanilla != exact, "vanilla {kind} look the same");
+        let again = after(&page, click)?;
+        ensure!(again == exact, "{kind} that are exact again look otherwise");
+    }
+    Ok(())
+}
+
+pub(super) fn wipe(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 2)?;
+    let exact = page.number("hash()")?;
+    for kind in ["points", "lines", "quads"] {
+        after_setting(&page, &format!("set('{kind}', false)"))?;
+    }
+    let vanilla = page.number("hash()")?;
+    let halves = [page.number("hash(0, 0.25)")?, page.number("hash(0.75, 1)")?];
+    for kind in ["points", "lines", "quads"] {
+        after_setting(&page, &format!("set('{kind}', true)"))?;
+    }
+    let right_half = page.number("hash(0.75, 1)")?;
+    ensure!(halves[1] != right_half, "the methods look the same on the right");
+    after_setting(&page, "set('wipe', true)")?;
+    ensure!(page.number("hash(0, 0.25)")? == halves[0], "the left is not vanilla");
+    ensure!(page.number("hash(0.75, 1)")? == right_half, "the right is not enhanced");
+    page.evaluate("find('wipe').focus()")?;
+    page.press("End", "End")?;
+    ensure!(page.number("hash()")? == vanilla, "a line at the right does not show vanilla alone");
+    page.press("Home", "Home")?;
+    ensure!(page.number("hash()")? == exact, "a line at the left does not show enhanced alone");
+    // By hand, from the left edge to the middle.
+    let [x, y] = page.middle("#wipe")?;
+    page.drag([x, y], [10.0, 0.0], 35)?;
+    let line = page.string("find('wipe').getAttribute('aria-valuenow')")?;
+    ensure!(line.parse::<f64>()? > 40.0, "the line was dragged to {line} %");
+    ensure!(page.number("hash(0, 0.25)")? == halves[0], "the left is not vanilla after a drag");
+    Ok(())
+}
+
+pub(super) fn views(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 2)?;
+    let mut seen = vec![page.number("hash()")?];
+    let count = page.number("document.querySelector('[name=view]').options.length")?;
+    ensure!(count == 13.0, "there are {count} views");
+    for setting in [
+        "set('view', 'shading-normal')",
+        "set('view', 'method')",
+        "set('view', 'error')",
+        "set('view', 'path'); set('exposure', 1.5)",
+        "set('filmic', 'filmic')",
+        "set('exposure', 0); set('filmic', ''); set('background', false)",
+        "set('background', true); set('bounces', 2)",
+        "set('bounces', 8); set('seed', 7)",
+        "set('seed', 0); set('independent', 'independent')",
+        "set('independent', ''); set('clamp', 0.5)",
+    ] {
+        let hash = after_setting(&page, setting)?;
+        ensure!(!seen.contains(&hash), "{setting} shows a picture from before");
+        seen.push(hash);
+    }
+    let first = after_setting(&page, "set('clamp', '')")?;
+    ensure!(first == seen[0], "the first settings show another picture now");
+    Ok(())
+}
+
+pub(super) fn save(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 4)?;
+    for (name, start) in [
+        ("picture.png", &b"\x89PNG"[..]),
+        ("picture.exr", b"\x76\x2f\x31\x01"),
+        ("report.html", b"<!doctype html>"),
+    ] {
+        if name == "report.html" {
+            after_setting(&page, "set('wipe', true)")?;
+        }
+        page.evaluate(&format!("document.querySelector('[data-save=\"{name}\"]').click()"))?;
+        let extension = name.split('.').next_back().context("an extension")?;
+        let path = chromium.downloads.path().join(format!("shapes4.{extension}"));
+        let bytes = downloaded(&path).with_context(|| {
+            format!("{name}; the page says {:?}", page.string("notices()").unwrap_or_default())
+        })?;
+        ensure!(bytes.starts_with(start), "{name} is no such file");
+        std::fs::remove_file(&path)?;
+        if name == "picture.png" {
+            let text = base64::engine::general_purpose::STANDARD.encode(&bytes);
+            let url = json!(format!("data:image/png;base64,{text}"));
+            let decode = format!(
+                "differing(new Blob([Uint8Array.from(atob({url}.split(',')[1]), \
+                 (c) => c.charCodeAt(0))], {{ type: 'image/png' }}))"
+            );
+            let count = page.number(&decode)?;
+            ensure!(count == 0.0, "{count} pixels of the PNG differ from those that are shown");
+        }
+    }
+    Ok(())
+}
+
+/// Returns the content of a file once it is whole.
+fn downloaded(path: &Path) -> Result<Vec<u8>> {
+    for _ in 0..600 {
+        if let Ok(bytes) = std::fs::read(path) {
+            return Ok(bytes);
+        }
+        sleep(Duration::from_millis(50));
+    }
+    bail!("nothing was saved")
+}
+
+pub(super) fn command(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 3)?;
+    page.drag(page.middle("#picture")?, [9.0, 3.0], 12)?;
+    for setting in ["set('lines', false)", "set('bounces', 4)", "set('seed', 5)"] {
+        after_setting(&page, setting)?;
+    }
+    page.click(page.middle("#long-render")?)?;
+    page.wait("the command", "find('text-dialog').open && find('text').value !== ''")?;
+    let line = page.string("find('text').value")?;
+    let rest = line.strip_prefix("rotund render shapes4 ").context("a render of the scene")?;
+    let folder = tempfile::tempdir()?;
+    // As a person does: the words are for a shell.
+    let mut shell = Command::new("sh");
+    shell.current_dir(folder.path()).arg("-c");
+    let render = shell.arg(format!("'{}' render shapes4 {rest}", program.display())).output()?;
+    let message = String::from_utf8_lossy(&render.stderr);
+    ensure!(render.status.success(), "{line}: {message}");
+    let bytes = std::fs::read(folder.path().join("shapes4.png"))?;
+    let text = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    let count = page.number(&format!(
+        "differing(new Blob([Uint8Array.from(atob('{text}'), (c) => c.charCodeAt(0))], \
+         {{ type: 'image/png' }}))"
+    ))?;
+    ensure!(count == 0.0, "{count} pixels of the render differ from those that are shown ({line})");
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! How fast the page answers, by its own clock, and what the viewer takes.
+
+use crate::chromium::Chromium;
+use crate::page::Page;
+use crate::spheres;
+use crate::viewer::Viewer;
+use anyhow::{Context as _, Result};
+use rotund_report::console::{Table, say};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Spheres of the largest scene.
+const SPHERES: u32 = 1_000_000;
+/// How long a drag takes that is measured.
+const DRAG: Duration = Duration::from_secs(4);
+/// How long the viewer is watched when it has nothing to do.
+const REST: Duration = Duration::from_secs(5);
+
+/// Measures three scenes and prints a table, and then the memory of a longer drag.
+pub(crate) fn run(program: &Path, chromium: &Chromium, minutes: f64) -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let spheres = spheres::write(folder.path(), SPHERES)?;
+    let mut table = Table::new(&[
+        "milliseconds, by the page",
+        "first",
+        "previews/s",
+        "input median",
+        "95 %",
+        "box",
+        "idle %",
+    ]);
+    for scene in [OsStr::new("shapes4"), OsStr::new("shapes3"), spheres.as_os_str()] {
+        table.row(measure(program, chromium, scene)?);
+    }
+    say(format!("\n{table}"))?;
+    memory(program, chromium, minutes)
+}
+
+fn measure(program: &Path, chromium: &Chromium, scene: &OsStr) -> Result<Vec<String>> {
+    let viewer = Viewer::start(program, scene)?;
+    {
+        // The first page waits for the scene to be loaded; the second is measured.
+        let page = chromium.open(&viewer.url)?;
+        page.wait_for("a picture", "rotundStatistics.frames > 0", Duration::from_secs(60))?;
+    }
+    sleep(Duration::from_millis(500));
+    let page = chromium.open(&viewer.url)?;
+    page.wait("a picture", "rotundStatistics.firstPicture !== null")?;
+    let first = page.number("rotundStatistics.firstPicture")?;
+    sleep(Duration::from_secs(1));
+    drag(&page, DRAG)?;
+    sleep(Duration::from_millis(500));
+    let mut inputs = numbers(&page, "Object.values(rotundStatistics.inputs)")?;
+    let previews = numbers(&page, "rotundStatistics.previews")?;
+    // Previews that follow each other, without the pause before the drag.
+    let gaps: Vec<f64> = previews.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let moving: Vec<f64> = gaps.into_iter().filter(|gap| *gap < 400.0).collect();
+    let rate = 1000.0 * moving.len() as f64 / moving.iter().sum::<f64>().max(1.0);
+    for _ in 0..5 {
+        for name in ["points", "lines", "quads"] {
+            page.evaluate(&format!("find('settings').elements.{name}.click()"))?;
+            sleep(Duration::from_millis(400));
+        }
+    }
+    let mut boxes = numbers(&page, "rotundStatistics.settings")?;
+    page.evaluate("set('samples', 2)")?;
+    page.wait_done()?;
+    sleep(Duration::from_millis(500));
+    let before = viewer.processor_seconds()?;
+    sleep(REST);
+    let idle = (viewer.processor_seconds()? - before) / REST.as_secs_f64();
+    let name = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = if name == "spheres" { format!("{SPHERES} spheres") } else { name };
+    Ok(vec![
+        name,
+        format!("{first:.0}"),
+        format!("{rate:.1}"),
+        format!("{:.0}", quantile(&mut inputs, 0.5)),
+        format!("{:.0}", quantile(&mut inputs, 0.95)),
+        format!("{:.0}", quantile(&mut boxes, 0.5)),
+        format!("{:.2}", 100.0 * idle),
+    ])
+}
+
+/// Drags in a circle.
+fn drag(page: &Page, time: Duration) -> Result<()> {
+    let [x, y] = page.middle("#picture")?;
+    page.mouse("mousePressed", [x, y], "left")?;
+    let start = Instant::now();
+    while start.elapsed() < time {
+        let (sine, cosine) = (3.0 * start.elapsed().as_secs_f64()).sin_cos();
+        page.mouse("mouseMoved", [x + 120.0 * sine, y + 40.0 * cosine], "left")?;
+        sleep(Duration::from_millis(14));
+    }
+    page.mouse("mouseReleased", [x, y], "left")
+}
+
+/// Prints the memory of the viewer after a tenth of a long drag, and after all of it.
+fn memory(program: &Path, chromium: &Chromium, minutes: f64) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = chromium.open(&viewer.url)?;
+    page.wait("a picture", "rotundStatistics.frames > 0")?;
+    let time = Duration::from_secs_f64(60.0 * minutes);
+    drag(&page, time.mul_f64(0.1))?;
+    let before = viewer.memory()?;
+    drag(&page, time.mul_f64(0.9))?;
+    let after = viewer.memory()?;
+    say(format!(
+        "memory while dragging shapes4: {:.1} MB after {:.1} minutes, {:.1} MB after {minutes:.1}",
+        before / 1e6,
+        0.1 * minutes,
+        after / 1e6
+    ))
+}
+
+fn numbers(page: &Page, expression: &str) -> Result<Vec<f64>> {
+    let values = page.evaluate(expression)?;
+    let values = values.as_array().context("a list")?;
+    Ok(values.iter().filter_map(|value| value.as_f64()).collect())
+}
+
+fn quantile(values: &mut [f64], part: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let index = (part * (values.len() as f64 - 1.0)).round();
+    values.get(index.max(0.0) as usize).copied().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,156 @@
+//! The server: the page, its sockets, and files to keep.
+
+use super::guard::{Guard, HEADERS, Refusal};
+use super::{assets, save, socket};
+use anyhow::{Context as _, Result};
+use axum::Router;
+use axum::body::Body;
+use axum::extract::{FromRequestParts as _, Request, State, WebSocketUpgrade};
+use axum::http::{HeaderValue, Method, StatusCode, header};
+use axum::response::{IntoResponse as _, Response};
+use axum::serve::ListenerExt as _;
+use rotund_trace::View;
+use rotund_viewer::{Session, Viewer};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::net::TcpListener;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Pages that are open at once.
+const MOST_SESSIONS: usize = 16;
+/// Threads that encode files to keep; more requests wait.
+const SAVING_THREADS: usize = 2;
+
+/// What all requests share.
+#[derive(Debug)]
+pub(super) struct Server {
+    pub(super) guard: Guard,
+    pub(super) viewer: Viewer,
+    /// Name of the scene.
+    pub(super) scene: String,
+    /// The command line of a render of the same scene, without camera and settings.
+    pub(super) render: String,
+    pub(super) sessions: Sessions,
+}
+
+/// The open sockets by their numbers, which never come again.
+#[derive(Debug, Default)]
+pub(super) struct Sessions(Mutex<(u64, BTreeMap<u64, Arc<Session>>)>);
+
+impl Sessions {
+    fn with<T>(&self, work: impl FnOnce(&mut (u64, BTreeMap<u64, Arc<Session>>)) -> T) -> T {
+        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Adds a session, unless there are too many.
+    fn add(&self, viewer: &Viewer) -> Option<(u64, Arc<Session>)> {
+        self.with(|(last, open)| {
+            if open.len() >= MOST_SESSIONS {
+                return None;
+            }
+            *last += 1;
+            let session = Arc::new(viewer.connect());
+            open.insert(*last, Arc::clone(&session));
+            Some((*last, session))
+        })
+    }
+
+    fn remove(&self, number: u64) {
+        let session = self.with(|(_, open)| open.remove(&number));
+        drop(session);
+    }
+
+    pub(super) fn find(&self, number: u64) -> Option<Arc<Session>> {
+        self.with(|(_, open)| open.get(&number).cloned())
+    }
+}
+
+/// Answers requests until the program ends.
+pub(super) fn run(listener: TcpListener, server: Server) -> Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_io()
+        .enable_time()
+        .max_blocking_threads(SAVING_THREADS)
+        .build()
+        .context("cannot start the server")?;
+    runtime.block_on(async {
+        listener.set_nonblocking(true)?;
+        let listener = tokio::net::TcpListener::from_std(listener)?.tap_io(|connection| {
+            // Small messages must not wait for more.
+            let _ = connection.set_nodelay(true);
+        });
+        let router = Router::new().fallback(answer).with_state(Arc::new(server));
+        Ok(axum::serve(listener, router).await?)
+    })
+}
+
+async fn answer(State(server): State<Arc<Server>>, request: Request) -> Response {
+    let mut response = match server.guard.pass(request.uri().path(), request.headers()) {
+        Err(refusal) => refuse(refusal),
+        Ok(_) if request.method() != Method::GET => {
+            plain(StatusCode::METHOD_NOT_ALLOWED, "Only GET is answered.\n")
+        }
+        Ok(rest) => {
+            let rest = rest.to_owned();
+            route(server, &rest, request).await
+        }
+    };
+    response.headers_mut().extend(HEADERS);
+    response
+}
+
+async fn route(server: Arc<Server>, path: &str, request: Request) -> Response {
+    if path == "socket" {
+        return match Guard::pass_socket(request.headers()) {
+            Ok(()) => upgrade(server, request).await,
+            Err(refusal) => refuse(refusal),
+        };
+    }
+    if let Some(file) = path.strip_prefix("save/") {
+        return save::answer(&server, file).await;
+    }
+    match assets::find(path) {
+        // Without the slash, relative addresses would lead past the token.
+        Some(_) if path.is_empty() && !request.uri().path().ends_with('/') => {
+            let there = format!("/{}/", server.guard.token());
+            (StatusCode::PERMANENT_REDIRECT, [(header::LOCATION, there)]).into_response()
+        }
+        Some(asset) => ([(header::CONTENT_TYPE, asset.media)], asset.text).into_response(),
+        None => plain(StatusCode::NOT_FOUND, "There is no such page.\n"),
+    }
+}
+
+async fn upgrade(server: Arc<Server>, request: Request) -> Response {
+    let (mut parts, _) = request.into_parts();
+    let upgrade = match WebSocketUpgrade::from_request_parts(&mut parts, &()).await {
+        Ok(upgrade) => upgrade,
+        Err(_) => return plain(StatusCode::BAD_REQUEST, "Only a WebSocket connects here.\n"),
+    };
+    let upgrade = upgrade.max_message_size(socket::CUT_OFF).max_frame_size(socket::CUT_OFF);
+    upgrade.on_upgrade(|opened| async move {
+        let Some((number, session)) = server.sessions.add(&server.viewer) else {
+            let reason = "16 pages of this viewer are open: close one of them";
+            return socket::refuse(opened, reason).await;
+        };
+        socket::serve(opened, session, greeting(number)).await;
+        server.sessions.remove(number);
+    })
+}
+
+/// Returns the first message of a socket: the number of the session, for files to keep, and the
+/// views.
+fn greeting(session: u64) -> String {
+    let views = View::ALL.map(|view| [view.name(), view.description()]);
+    let program = concat!("rotund ", env!("CARGO_PKG_VERSION"));
+    json!({ "type": "greeting", "program": program, "session": session, "views": views })
+        .to_string()
+}
+
+fn refuse(refusal: Refusal) -> Response {
+    plain(Refusal::STATUS, refusal.sentence())
+}
+
+pub(super) fn plain(status: StatusCode, sentence: impl Into<Body>) -> Response {
+    let media = HeaderValue::from_static("text/plain; charset=utf-8");
+    (status, [(header::CONTENT_TYPE, media)], sentence.into()).into_response()
+}
