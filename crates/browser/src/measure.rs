@@ -8,6 +8,7 @@ use anyhow::{Context as _, Result};
 use rotund_report::console::{Table, say};
 use std::ffi::OsStr;
 use std::path::Path;
+use std::process::Command;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -15,6 +16,8 @@ use std::time::{Duration, Instant};
 const SPHERES: u32 = 1_000_000;
 /// How long a drag takes that is measured.
 const DRAG: Duration = Duration::from_secs(4);
+/// Samples of the picture by which refinement is compared with a render.
+const REFINED: u32 = 32;
 /// How long the viewer is watched when it has nothing to do.
 const REST: Duration = Duration::from_secs(5);
 
@@ -30,15 +33,21 @@ pub(crate) fn run(program: &Path, chromium: &Chromium, minutes: f64) -> Result<(
         "95 %",
         "box",
         "idle %",
+        "refining",
     ]);
     for scene in [OsStr::new("shapes4"), OsStr::new("shapes3"), spheres.as_os_str()] {
-        table.row(measure(program, chromium, scene)?);
+        table.row(measure(program, chromium, scene, folder.path())?);
     }
     say(format!("\n{table}"))?;
     memory(program, chromium, minutes)
 }
 
-fn measure(program: &Path, chromium: &Chromium, scene: &OsStr) -> Result<Vec<String>> {
+fn measure(
+    program: &Path,
+    chromium: &Chromium,
+    scene: &OsStr,
+    folder: &Path,
+) -> Result<Vec<String>> {
     let viewer = Viewer::start(program, scene)?;
     {
         // The first page waits for the scene to be loaded; the second is measured.
@@ -81,7 +90,30 @@ fn measure(program: &Path, chromium: &Chromium, scene: &OsStr) -> Result<Vec<Str
         format!("{:.0}", quantile(&mut inputs, 0.95)),
         format!("{:.0}", quantile(&mut boxes, 0.5)),
         format!("{:.2}", 100.0 * idle),
+        format!("{:.2}", refinement(program, &page, folder)?),
     ])
+}
+
+/// Returns the samples per second of the viewer over those of a render of the same picture.
+fn refinement(program: &Path, page: &Page, folder: &Path) -> Result<f64> {
+    page.evaluate("set('pixels', 640); set('size', 'camera')")?;
+    page.wait("another size", "Math.max(find('picture').width, find('picture').height) === 640")?;
+    page.evaluate(&format!("set('samples', {REFINED})"))?;
+    page.wait_done()?;
+    let status = "rotundStatistics.status";
+    page.wait("the time", &format!("{status}.activity === 'done' && {status}.samples > 2"))?;
+    let viewer = page.number("rotundStatistics.status.seconds")?;
+    page.evaluate("find('long-render').click()")?;
+    page.wait("the command", "find('text-dialog').open && find('text').value !== ''")?;
+    let line = page.string("find('text').value")?;
+    let words = line.strip_prefix("rotund").context("a command of the program")?;
+    let mut shell = Command::new("sh");
+    shell.current_dir(folder).arg("-c").arg(format!("'{}'{words}", program.display()));
+    let output = shell.output()?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    let render = said.split(" samples in ").nth(1).and_then(|rest| rest.split(' ').next());
+    let render: f64 = render.with_context(|| format!("{line} prints {said:?}"))?.parse()?;
+    Ok(render / viewer)
 }
 
 /// Drags in a circle.

@@ -234,7 +234,7 @@ fn only_the_page_itself_may_open_a_socket() {
     assert_eq!(viewer.refused(request), 403);
     let plain = viewer.send(
         &format!("GET /{}/socket", viewer.token),
-        &format!("Host: localhost\r\nOrigin: http://localhost\r\n"),
+        "Host: localhost\r\nOrigin: http://localhost\r\n",
     );
     assert_eq!(status(&plain), "400", "{plain}");
 }
@@ -377,7 +377,8 @@ fn what_is_no_request_is_answered_by_a_sentence_and_the_socket_stays_open() {
 #[test]
 fn messages_that_are_too_long_too_many_or_binary_end_the_socket_with_a_reason() {
     let viewer = Viewer::start(&[]);
-    let table: [(&str, u16, &str, fn(&mut WebSocket<TcpStream>)); 3] = [
+    type Attack = fn(&mut WebSocket<TcpStream>);
+    let table: [(&str, u16, &str, Attack); 3] = [
         ("too long", 1009, "65536", |socket| {
             socket.send(Message::text(" ".repeat(70_000))).expect("an open socket");
         }),

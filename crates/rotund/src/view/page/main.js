@@ -54,6 +54,7 @@ const connection = new Connection({
     if (panel.state) wanted = view(panel.state);
     hand.reset();
     inspector.reset();
+    element("loading").hidden = true;
     panel.showDisconnected();
     showNotice("connection", sentence, false);
   },
@@ -67,6 +68,7 @@ function onEvent(event) {
     case "state":
       return onState(event);
     case "status":
+      statistics.status = event;
       return panel.showStatus(event);
     case "inspection":
       return inspector.answer(event);
@@ -75,6 +77,7 @@ function onEvent(event) {
       element("loading-text").textContent = `${event.what}, ${event.seconds.toFixed(1)} s`;
       return;
     case "problem":
+      element("loading").hidden = true;
       panel.revert();
       return showNotice("problem", event.text, true);
     case "solved":

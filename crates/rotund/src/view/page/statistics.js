@@ -10,9 +10,11 @@ export const statistics = {
   // Moments at which previews came to the screen.
   previews: [],
   frames: 0,
-  // The number of the last input, the state of the viewer, and the header of the frame that is drawn for each side.
+  // The number of the last input, the state and status of the viewer, and the header of the frame
+  // that is drawn for each side.
   sent: 0,
   state: null,
+  status: null,
   shown: {},
 };
 window.rotundStatistics = statistics;
