@@ -112,6 +112,19 @@ fn cases() -> Vec<Case> {
             t_min: 0.0,
             expected: (2.9909238487585306, [-0.316_294_014, -0.578_713_725, 0.751_697_094]),
         },
+        Case {
+            why: "grazes far away, where the image keeps few digits of the products that it is made of",
+            bits: [
+                [0xbeb2_f56c, 0x3eab_2b40, 0x3d40_142c],
+                [0xbf63_4da7, 0xbdc2_707f, 0x3f94_0277],
+                [0xbf91_235f, 0x3fa7_8222, 0x3f19_4133],
+                [0xbdc3_31be, 0x3f53_4bad, 0x3fb0_c98b],
+                [0x48f1_ebc7, 0x4949_42d3, 0x4885_aca0],
+                [0xbefd_ac44, 0xbf53_0996, 0xbe8c_2aca],
+            ],
+            t_min: 0.0,
+            expected: (999_999.947_636_279_7, [-0.867_185_463, 0.487_525_213, 0.101_530_981]),
+        },
     ]
 }
 

@@ -36,6 +36,13 @@
 //! which happens at folds, along a ruling, and next to the origin of the ray, `exact.rs` solves in
 //! double-double.
 //!
+//! Seen from far, the images are small differences of large products. Let `k` be `h` times the
+//! largest component of the direction. A coordinate of an image, `f_x d_z - f_z d_x`, has four
+//! roundings of terms of up to `k`, so an image is off by up to `√2 4 · 2⁻⁵³ k`. At a root `f` is
+//! then off by `s` times that: `u` and `v` are known to `6 · 2⁻⁵³ k s / √D`. Each of `a`, `b` and
+//! `c` is at most 1, 3 and 1 times `s²`, and off by 4, 8 and 2 times `s` and the error of an image:
+//! so `D` is off by `408 · 2⁻⁵³ k s³`.
+//!
 //! Sources: S. D. Ramsey, K. Potter, C. Hansen, "Ray Bilinear Patch Intersections", journal of
 //! graphics tools 9(3), 2004, for the quadratic in the plane; A. Reshetov, "Cool Patches", Ray
 //! Tracing Gems, chapter 8, 2019, for the choice of `a, b, c` and for the stable roots.
@@ -78,6 +85,13 @@ pub(super) struct PatchImage {
 /// At `2⁻²²`, a rounding of `2⁻⁵³` of the terms is `2⁻³¹` of the difference. An `f32` has 24 bits,
 /// so that rounding is about a hundredth of the one to `f32`.
 const TOO_FEW_DIGITS: f64 = 1.0 / 17_592_186_044_416.0;
+
+/// The square of `2⁻²⁸`: seen from far, a root of `D` must be this share of `4 k s`. Then `u` and `v`
+/// are wrong by `2⁻²⁴` at most, as much as by their rounding to `f32`.
+const TOO_FAR: f64 = 1.0 / 72_057_594_037_927_936.0;
+
+/// `2⁻⁴⁶`: bounds the error of `D` as a share of `4 k s³`.
+const ERROR_FROM_FAR: f64 = 1.0 / 70_368_744_177_664.0;
 
 /// If a root is nearer than this to an edge, double-double must decide whether it is in the square.
 ///
@@ -157,7 +171,8 @@ impl PatchImage {
         let smaller = b.first().abs() <= b.second().abs();
         let discriminant = if smaller { discriminants.first() } else { discriminants.second() };
         let square = self.size * self.size;
-        if !self.odd && discriminant < -TOO_FEW_DIGITS * (square * square) {
+        let error = TOO_FEW_DIGITS * square + ERROR_FROM_FAR * (self.size * self.terms_from_far());
+        if !self.odd && discriminant < -(square * error) {
             return Filtered::Miss;
         }
         let root = discriminant.max(0.0).sqrt();
@@ -211,9 +226,23 @@ impl PatchImage {
     /// NaN.
     #[inline(always)]
     pub(super) fn too_few_digits(&self, discriminant: f64, depth: f64) -> bool {
+        let terms = self.deepest() * (self.size * self.size);
+        let from_far = depth * self.size * self.terms_from_far();
+        let least = (TOO_FEW_DIGITS * (terms * terms)).max(TOO_FAR * (from_far * from_far));
+        (depth * depth) * discriminant < least
+    }
+
+    /// Returns the sum of the four depths, at most `4 h`.
+    #[inline(always)]
+    fn deepest(&self) -> f64 {
         let depths = self.depths[0].abs() + self.depths[1].abs();
-        let terms = (depths.first() + depths.second()) * (self.size * self.size);
-        (depth * depth) * discriminant < TOO_FEW_DIGITS * (terms * terms)
+        depths.first() + depths.second()
+    }
+
+    /// Returns the terms whose differences are the images, at most `4 k`.
+    #[inline(always)]
+    fn terms_from_far(&self) -> f64 {
+        self.deepest() * self.space.length()
     }
 
     /// Returns whether this root certainly lies before the interval of the ray, whatever its last
@@ -225,10 +254,8 @@ impl PatchImage {
     /// all.
     #[inline(always)]
     pub(super) fn is_behind(&self, ray: &Ray, discriminant: f64, depth: f64) -> bool {
-        let depths = self.depths[0].abs() + self.depths[1].abs();
-        let deepest = depths.first() + depths.second();
-        let terms = self.size * (self.size + deepest * self.space.length());
-        let kept = deepest * terms;
+        let terms = self.size * (self.size + self.terms_from_far());
+        let kept = self.deepest() * terms;
         let least = |bound: f64| bound.max(f64::MIN_POSITIVE);
         // A `t` nearer to zero than this could be rounded to zero.
         (ray.t_min >= 0.0)
