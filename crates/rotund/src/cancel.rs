@@ -1,5 +1,6 @@
 //! Ctrl-C, SIGTERM and SIGHUP: the first ends a render early, and its samples are written; the
-//! second ends the program at once.
+//! second ends the program at once. SIGXFSZ, of a file as large as `ulimit -f` allows, ends nothing:
+//! the write fails.
 
 use crate::exit;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -36,6 +37,20 @@ impl Cancel {
     /// Returns true if a signal has come.
     pub(crate) fn requested(self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Makes a file that grows beyond the limit of the process (`ulimit -f`) an error of the write, with
+/// a message, instead of the end of the program.
+pub(crate) fn survive_large_files() {
+    #[cfg(unix)]
+    {
+        static SURVIVES: OnceLock<()> = OnceLock::new();
+        SURVIVES.get_or_init(|| {
+            // Nobody reads the flag: any handler will do. Without one the signal still ends the
+            // program.
+            let _ = flag::register(signal_hook::consts::signal::SIGXFSZ, Arc::default());
+        });
     }
 }
 

@@ -19,6 +19,10 @@ const LOADED: u64 = 2;
 const LIGHT: u64 = 370;
 /// Bytes of an instance in tree and tables.
 const INSTANCE: u64 = 300;
+/// Bytes of a pixel for an image and its encoder, by measurement: the image has 16.
+const PICTURE: u64 = 32;
+/// Bytes of a pixel for layers, and for their copies as the channels of a file.
+const LAYERS: u64 = 144;
 /// Bytes for stacks of threads and their parts of the heap.
 const MARGIN: u64 = 128 << 20;
 
@@ -52,6 +56,14 @@ pub(crate) fn check_scene(scene: &Scene) -> Result<()> {
         }
     }
     reserve(bytes, || "build the trees of the scene".to_owned())
+}
+
+/// Makes sure that a picture, with layers or without, can be made of a film that is in memory, and
+/// written.
+pub(crate) fn check_picture(width: u32, height: u32, layers: bool) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    let bytes = PICTURE + if layers { LAYERS } else { 0 };
+    reserve(pixels * bytes, || format!("write a picture of {width} x {height}"))
 }
 
 /// Returns the bytes that an element takes while its tree is built, by measurement.

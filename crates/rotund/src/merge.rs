@@ -3,6 +3,7 @@
 //! Two films are in memory at a time, however many shards there are.
 
 use crate::exit::NotFinished;
+use crate::memory;
 use crate::output::{check_distinct, check_file, check_image_file};
 use crate::shot::odd_samples;
 use anyhow::{Result, anyhow, bail};
@@ -55,6 +56,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     if is_film {
         save_film(&args.out, &film)?;
     } else {
+        memory::check_picture(film.width(), film.height(), false)?;
         write(&args.out, &film)?;
     }
     say(format!(

@@ -1,5 +1,6 @@
 //! Output files: checked before a long render, and written so that nobody sees half of one.
 
+use crate::cancel::survive_large_files;
 use anyhow::{Context, Result, bail};
 use rotund_image::Format;
 use rotund_trace::output::{sweep, write_with};
@@ -71,6 +72,7 @@ fn identity(path: &Path) -> PathBuf {
 
 /// Makes sure that files can be made in a folder. What killed runs left in it is removed.
 fn check_writable(folder: &Path) -> Result<()> {
+    survive_large_files();
     sweep(folder);
     let file = tempfile::Builder::new().prefix(".rotund-").suffix(".part").tempfile_in(folder);
     // The message has the error of the operating system alone: tempfile would add the random name.

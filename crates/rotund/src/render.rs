@@ -152,33 +152,37 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
     let origin = origin(&scene, camera, &options);
     let (film, mut checkpoint) = args.checkpoint.open(&options, origin)?;
     memory::check_scene(&scene.scene)?;
+    let wants_layers = args.layers || denoised.is_some();
+    let check_picture = || memory::check_picture(options.width, options.height, wants_layers);
     let (shot, layers) = args.picture.shot.with_threads(|| {
         let world = World::new(&scene.scene)?;
+        if out.is_some() {
+            check_picture()?;
+        }
         let mut keep = |film: &Film, cancel: Cancel| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.update(film, cancel);
             }
         };
         let shot = take_on(film, &world, camera, &options, label, &mut keep)?;
-        let wants_layers = args.layers || denoised.is_some();
         let layers = wants_layers.then(|| world.layers(camera, &options)).transpose();
         Ok((shot, layers))
     })?;
     let film = &shot.film;
     // The picture comes first, and neither failure costs the other file.
     let written = out.as_deref().map(|out| {
+        check_picture()?;
         let before = |image: Image| match args.background {
             Some(Background(color)) => image.before(color),
             None => image,
         };
-        let image = film.image();
         let layers = layers?;
         match layers.as_ref().filter(|_| args.layers) {
-            Some(layers) => output::write_layers(out, &before(image.clone()), layers)?,
-            None => before(image.clone()).write(out)?,
+            Some(layers) => output::write_layers(out, &before(film.image()), layers)?,
+            None => before(film.image()).write(out)?,
         }
         if let (Some(denoised), Some(layers)) = (&denoised, &layers) {
-            denoised.write(&image, layers, before)?;
+            denoised.write(&film.image(), layers, before)?;
         }
         Ok(())
     });

@@ -282,6 +282,16 @@ fn an_unknown_instruction_set_is_a_warning() {
     assert!(said.contains("\"mmx\"") && said.trim_end().ends_with(" is used"), "{said}");
 }
 
+/// Runs a shell line that sets a limit and then `exec`s the program; returns the exit code and what
+/// it said.
+#[cfg(target_os = "linux")]
+fn under(limit: &str, folder: &Path, arguments: &str) -> (Option<i32>, String) {
+    let line = format!("ulimit {limit}; exec {} {arguments}", env!("CARGO_BIN_EXE_rotund"));
+    let mut command = Command::new("sh");
+    let output = command.current_dir(folder).args(["-c", &line]).output().expect("sh");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn points_that_do_not_fit_into_memory_are_refused_in_a_line() {
@@ -293,16 +303,34 @@ fn points_that_do_not_fit_into_memory_are_refused_in_a_line() {
     std::io::Write::write_all(&mut &file, header.as_bytes()).expect("a header");
     file.set_len(header.len() as u64 + 360_000_000).expect("a hole");
     for (kilobytes, words) in [(600_000, "load cloud.ply"), (2_000_000, "build the trees")] {
-        let program = env!("CARGO_BIN_EXE_rotund");
-        let line = format!(
-            "ulimit -v {kilobytes}; exec {program} render cloud.ply --radius 1 \
-            --resolution 8 --samples 1 --out a.png"
-        );
-        let mut command = Command::new("sh");
-        let output = command.current_dir(folder.path()).args(["-c", &line]).output().expect("sh");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(5), "{said}");
+        let arguments = "render cloud.ply --radius 1 --resolution 8 --samples 1 --out a.png";
+        let (code, said) = under(&format!("-v {kilobytes}"), folder.path(), arguments);
+        assert_eq!(code, Some(5), "{said}");
         let expected = format!("error: not enough memory to {words}");
         assert!(said.starts_with(&expected) && said.lines().count() == 1, "{said}");
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_that_does_not_fit_into_memory_is_refused_before_it_is_rendered() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // The film takes 300 MB, the picture half as much again.
+    let arguments = "render shapes4 --resolution 4000 --samples 1 --threads 1 --out a.png";
+    let (code, said) = under("-v 600000", folder.path(), arguments);
+    assert_eq!(code, Some(5), "{said}");
+    let expected = "error: not enough memory to write a picture of 4000 x 1333: it takes ";
+    assert!(said.starts_with(expected) && said.lines().count() == 1, "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_beyond_the_limit_of_the_process_is_an_error_in_a_line() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let arguments = "render shapes4 --resolution 200 --samples 1 --out a.exr --checkpoint a.film";
+    // In units of 512 bytes: a hundred kilobytes.
+    let (code, said) = under("-f 200", folder.path(), arguments);
+    assert_eq!(code, Some(5), "{said}");
+    assert!(said.contains("error: cannot write a.exr: File too large"), "{said}");
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0, "nothing is left");
 }
