@@ -35,6 +35,9 @@ fn files(places: &[DVec3]) -> Vec<(&'static str, Vec<u8>)> {
     let mut big = header("binary_big_endian", places.len()).into_bytes();
     big.extend(numbers().flat_map(f64::to_be_bytes));
     let obj: String = places.iter().map(|p| format!("v {}", text(p))).collect();
+    let node =
+        |(i, p): (usize, &DVec3)| format!("{i} 3 {} {} {} 1e4 {}\n", p.x, p.y, p.z, i as i64 - 1);
+    let swc: String = places.iter().enumerate().map(node).collect();
     // Some programs declare what they write in text as single.
     let ascii = header("ascii", places.len()).replace("double", "float") + &lines;
     vec![
@@ -42,6 +45,7 @@ fn files(places: &[DVec3]) -> Vec<(&'static str, Vec<u8>)> {
         ("b.ply", little),
         ("c.ply", big),
         ("d.obj", obj.into_bytes()),
+        ("e.swc", swc.into_bytes()),
     ]
 }
 

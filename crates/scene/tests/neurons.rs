@@ -226,8 +226,8 @@ fn files_that_describe_no_trees_are_refused() {
         ("an id below zero", "-3 1 0 0 0 1 -1\n", &["line 1", "id is -3", "not negative"]),
         ("a parent in words", "1 1 0 0 0 1 none\n", &["line 1", "parent is \"none\""]),
         ("an endless id", "inf 1 0 0 0 1 -1\n", &["line 1", "id is \"inf\"", "an integer"]),
-        ("NaN", "1 1 0 0 0 1 -1\n2 1 0 0 nan 1 1\n", &["line 2", "z is NaN", "finite"]),
-        ("beyond f32", "1 1 1e39 0 0 1 -1\n", &["line 1", "x is inf", "finite"]),
+        ("NaN", "1 1 0 0 0 1 -1\n2 1 0 0 nan 1 1\n", &["line 2", "z is nan", "finite"]),
+        ("beyond f32", "1 1 1e39 0 0 1 -1\n", &["line 1", "x is 1e39", "finite"]),
         ("a negative radius", "1 1 0 0 0 -1 -1\n", &["line 1", "radius is -1", "write 0"]),
         ("an endless radius", "1 1 0 0 0 inf -1\n", &["line 1", "radius is inf", "finite"]),
         (

@@ -49,6 +49,10 @@ fn colours_stand_behind_the_coordinates() {
         assert!(shape.colors[0].distance(Vec4::from(color)) < 1e-5, "{why}: {:?}", shape.colors);
         assert_eq!(found.warnings.len(), warnings, "{why}");
     }
+    let of_zbrush = obj("#MRGB ff00ff00ffff0000\nv 0 0 0\nv 1 0 0\n#MRGB ff0000ff\nv 2 0 0\n");
+    let expected = [vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0)];
+    assert_eq!(shapes(&of_zbrush)[0].colors, expected.map(|color| color.extend(1.0)));
+    assert_warns("too few", &obj("#MRGB ff00ff00\nv 0 0 0\nv 1 0 0\n"), &["MRGB", "1 for 2"]);
     assert!(shapes(&obj("v 0 0 0 1.0\n"))[0].colors.is_empty(), "a weight is no colour");
     let some = obj("v 0 0 0\nv 1 0 0 1 0 0\nv 2 0 0\n");
     assert_eq!(shapes(&some)[0].colors[0], Vec4::ONE, "those without are white");
@@ -141,6 +145,37 @@ fn what_materials_miss_or_hold_more_is_a_warning() {
     assert_warns("the scene decides", &found, &["thing.obj", "gold", "the scene"]);
 }
 
+#[test]
+fn lines_have_the_colours_of_their_materials() {
+    let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2\nusemtl red\nl 2 3\nf 1 2 3\n";
+    let found = loaded(&[("thing.obj", text), ("m.mtl", "newmtl red\nKd 0.9 0.1 0.1\n")]);
+    assert_eq!(found.warnings, Vec::<String>::new());
+    let shape = &shapes(&found)[1];
+    let Elements::Lines(lines) = &shape.elements else { panic!("lines") };
+    let colors = |line: usize| lines[line].map(|end| shape.colors[end as usize].truncate());
+    assert_eq!(colors(0), [Vec3::ONE; 2]);
+    assert_eq!(colors(1), [vec3(0.9, 0.1, 0.1); 2]);
+}
+
+#[test]
+fn options_of_an_image_that_would_move_it_are_named() {
+    let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+    let of = |options: &str| {
+        let mtl = format!("newmtl a\nKd 1 1 1\nmap_Kd {options} a b.hdr\n");
+        loaded(&[("thing.obj", text), ("m.mtl", &mtl), ("a b.hdr", IMAGE)])
+    };
+    assert_warns("moved", &of("-s 2 2 1 -o 0 0 0 -bm 2"), &["not used", "-s of map_Kd"]);
+    for neutral in ["", "-s 1 1 1 -o 0 0 -mm 0 1", "-clamp off -bm 1.0"] {
+        let found = of(neutral);
+        assert_eq!(found.warnings, Vec::<String>::new(), "{neutral}");
+        assert_eq!(
+            found.scene.textures.len(),
+            3,
+            "{neutral}: those of floor and sky, and the image"
+        );
+    }
+}
+
 /// An image of one red pixel, a Radiance file in text and bytes below 128.
 const IMAGE: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n@\0\0|";
 
@@ -150,8 +185,8 @@ fn images_of_materials_are_found_by_the_path_of_any_machine() {
     let absolute = ["", "home", "someone", "skin.hdr"].join("/");
     for path in [
         "skin.hdr",
-        "-s 2 2 -mm 0 1 skin.hdr",
-        "-clamp on skin.hdr",
+        "-s 1 1 -mm 0 1 skin.hdr",
+        "-clamp off skin.hdr",
         "tex\\skin.hdr",
         &elsewhere,
         &absolute,
@@ -180,12 +215,13 @@ fn faces_may_come_before_their_vertices() {
 fn bad_elements_and_corners_are_left_out_and_counted() {
     let found = obj(&format!("{SQUARE}f 1 2 3\nf 1 2\nf 4\nl 2\n"));
     assert_eq!(shapes(&found)[0].elements, Elements::Triangles(vec![[0, 1, 2]]));
-    assert_eq!(found.warnings.len(), 2, "{:?}", found.warnings);
+    assert_eq!(found.warnings.len(), 3, "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|w| w.contains("1 of 4 vertices")), "{:?}", found.warnings);
     assert!(found.warnings.iter().any(|w| w.contains("2 faces")), "{:?}", found.warnings);
     assert!(found.warnings.iter().any(|w| w.contains("1 lines")), "{:?}", found.warnings);
-    let found = obj(&format!("{SQUARE}f 1/1 2/2 3/3\n"));
+    let found = obj(&format!("{SQUARE}f 1/1 2/2 3/3 4/4\n"));
     assert!(shapes(&found)[0].texcoords.is_empty());
-    assert_warns("no texture coordinates", &found, &["line 5", "there are 0", "3 corners"]);
+    assert_warns("no texture coordinates", &found, &["line 5", "there are 0", "4 corners"]);
     let found = obj(&format!("{SQUARE}vt 0.5 0\nf 1/1 2/1 3/9\nf 1 3 4\n"));
     let texcoords = &shapes(&found)[0].texcoords;
     assert_eq!(texcoords[..3], [vec2(0.5, 1.0), vec2(0.5, 1.0), vec2(0.0, 0.0)]);
@@ -195,8 +231,14 @@ fn bad_elements_and_corners_are_left_out_and_counted() {
 }
 
 #[test]
+fn vertices_that_no_element_names_are_counted() {
+    assert_warns("faces", &obj(&format!("{SQUARE}f 1 2 3\n")), &["1 of 4 vertices", "not drawn"]);
+    assert_eq!(obj(SQUARE).warnings, Vec::<String>::new(), "points");
+}
+
+#[test]
 fn statements_that_are_not_used_are_named_with_their_number() {
-    let found = obj(&format!("{SQUARE}vp 0 1\nvp 1 1\ncurv 0 1 1 2\ns off\ng a\nf 1 2 3\n"));
+    let found = obj(&format!("{SQUARE}vp 0 1\nvp 1 1\ncurv 0 1 1 2\ns off\ng a\nf 1 2 3 4\n"));
     assert_warns("free forms", &found, &["curv (1)", "vp (2)"]);
 }
 

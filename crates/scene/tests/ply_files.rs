@@ -43,6 +43,7 @@ fn vertices(count: usize, more: &[&str]) -> String {
     element("vertex", count, &[&["float x", "float y", "float z"], more].concat())
 }
 
+const THREE: &str = "0 0 0\n1 0 0\n1 1 0\n";
 const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 #[test]
@@ -57,8 +58,8 @@ fn edges_are_lines_however_they_are_written() {
     ];
     for (why, name, properties, data, unused) in table {
         let properties = properties.each_ref().map(String::as_str);
-        let header = format!("{}\n{}", vertices(4, &[]), element(name, 2, &properties));
-        let loaded = loaded(&header, &format!("{SQUARE}{data}"));
+        let header = format!("{}\n{}", vertices(3, &[]), element(name, 2, &properties));
+        let loaded = loaded(&header, &format!("{THREE}{data}"));
         assert_eq!(shapes(&loaded)[0].elements, Elements::Lines(vec![[0, 1], [1, 2]]), "{why}");
         if unused.is_empty() {
             assert_eq!(loaded.warnings, Vec::<String>::new(), "{why}");
@@ -131,8 +132,8 @@ fn faces_are_found_under_other_names() {
     for element_name in ["face", "polygon", "triangles"] {
         for name in names {
             let list = format!("list uchar int {name}");
-            let header = format!("{}\n{}", vertices(4, &[]), element(element_name, 1, &[&list]));
-            let found = loaded(&header, &format!("{SQUARE}3 0 1 2"));
+            let header = format!("{}\n{}", vertices(3, &[]), element(element_name, 1, &[&list]));
+            let found = loaded(&header, &format!("{THREE}3 0 1 2"));
             let expected = Elements::Triangles(vec![[0, 1, 2]]);
             assert_eq!(shapes(&found)[0].elements, expected, "{element_name} {name}");
             assert_eq!(found.warnings, Vec::<String>::new(), "{element_name} {name}");
@@ -181,6 +182,70 @@ fn colours_have_many_names() {
         let found = loaded(&vertices(1, &properties), "0 0 0 0.25 0.5 1");
         assert_eq!(shapes(&found)[0].colors, [Vec4::new(0.25, 0.5, 1.0, 1.0)], "{names}");
         assert_eq!(found.warnings, Vec::<String>::new(), "{names}");
+    }
+}
+
+#[test]
+fn a_colour_may_be_packed_into_one_number() {
+    let bytes = [0xc0, 0xff, 0x80, 0x00];
+    let bits = u32::from_be_bytes(bytes);
+    let expected = |alpha| Vec4::new(1.0, 0.215_861, 0.0, alpha);
+    let table = [
+        ("float rgb", f32::from_bits(bits).to_string(), 1.0),
+        ("uint rgb", bits.to_string(), 1.0),
+        ("uint rgba", bits.to_string(), f32::from(bytes[0]) / 255.0),
+        ("int rgb", bits.cast_signed().to_string(), 1.0),
+    ];
+    for (property, text, alpha) in table {
+        let header = vertices(2, &[property]);
+        let found = loaded(&header, &format!("0 0 0 {text}\n1 0 0 0"));
+        let colors = &shapes(&found)[0].colors;
+        assert!(colors[0].distance(expected(alpha)) < 1e-5, "{property}: {colors:?}");
+        assert_eq!(colors[1].truncate(), Vec3::ZERO, "{property}");
+        assert_eq!(found.warnings, Vec::<String>::new(), "{property}");
+        for (encoding, bits) in [("little", bits.to_le_bytes()), ("big", bits.to_be_bytes())] {
+            let header =
+                format!("ply\nformat binary_{encoding}_endian 1.0\n{header}\nend_header\n");
+            let rows = [[0; 12].as_slice(), &bits, &[0; 16]].concat();
+            let found = loaded_of(&[header.as_bytes(), &rows].concat()).expect("loads");
+            let color = shapes(&found)[0].colors[0];
+            assert!(color.distance(expected(alpha)) < 1e-5, "{property}, {encoding}: {color}");
+        }
+    }
+    // The channels count, if there are some.
+    let found =
+        loaded(&vertices(1, &["float rgb", "uchar r", "uchar g", "uchar b"]), "0 0 0 1 0 255 0");
+    assert_eq!(shapes(&found)[0].colors, [Vec4::new(0.0, 1.0, 0.0, 1.0)]);
+    assert_warns("both", &found, &["rgb"]);
+}
+
+#[test]
+fn an_intensity_without_colours_is_grey() {
+    for item in ["float", "double", "uchar", "short"] {
+        let header = vertices(3, &[&format!("{item} scalar_Intensity")]);
+        let found = loaded(&header, "0 0 0 10\n1 0 0 60\n2 0 0 110");
+        let greys: Vec<f32> = shapes(&found)[0].colors.iter().map(|color| color.y).collect();
+        assert_eq!(greys.len(), 3, "{item}");
+        let off = Vec3::from_slice(&greys).distance(vec3(0.0, 0.214_041, 1.0));
+        assert!(off < 1e-5, "{item}: {greys:?}");
+        assert_eq!(found.warnings, Vec::<String>::new(), "{item}");
+    }
+}
+
+#[test]
+fn vertices_that_no_element_names_are_counted() {
+    let faces = element("face", 1, &["list uchar int vertex_indices"]);
+    let edges = element("edge", 1, &["int vertex1", "int vertex2"]);
+    let corners =
+        element("face", 1, &["list uchar int vertex_indices", "list uchar float texcoord"]);
+    let table = [
+        (faces, "3 0 1 2", "1 of 4 vertices"),
+        (edges, "0 1", "2 of 4 vertices"),
+        (corners, "3 0 1 2 6 0 0 1 0 1 1", "1 of 4 vertices"),
+    ];
+    for (elements, row, part) in table {
+        let found = loaded(&format!("{}\n{elements}", vertices(4, &[])), &format!("{SQUARE}{row}"));
+        assert_warns(row, &found, &[part, "not drawn"]);
     }
 }
 
@@ -243,7 +308,12 @@ fn bad_vertices_and_faces_are_left_out_and_counted() {
 #[test]
 fn what_is_not_used_is_named_once() {
     let table = [
-        ("intensity", vertices(2, &["float scalar_Intensity"]), "0 0 0 5\n1 0 0 6", "Intensity"),
+        (
+            "intensity beside colours",
+            vertices(1, &["uchar red", "uchar green", "uchar blue", "float scalar_Intensity"]),
+            "0 0 0 5 6 7 0.5",
+            "Intensity",
+        ),
         ("half a colour", vertices(1, &["uchar red", "uchar green"]), "0 0 0 5 6", "red, green"),
         ("half a texture", vertices(1, &["float s"]), "0 0 0 5", "s"),
         (

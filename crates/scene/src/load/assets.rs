@@ -303,11 +303,12 @@ pub(super) fn read_mesh(context: &Context<'_>, file: &NamedFile) -> Result<Mesh,
         }
     };
     let mut mesh = mesh.map_err(|problem| file.fail(problem))?;
+    materials::define(context, file, &mut mesh);
+    mesh.color_lines_by_materials();
     mesh.settle().map_err(|problem| file.fail(problem))?;
     if !mesh.colors.is_empty() && mesh.colors.iter().all(|color| color.w == 0.0) {
         mesh.colors.par_iter_mut().for_each(|color| color.w = 1.0);
         mesh.warnings.push("alpha is 0 at every vertex; taken as opaque".to_owned());
     }
-    materials::define(context, file, &mut mesh);
     Ok(mesh)
 }

@@ -1,6 +1,6 @@
-//! Colours in floating point, which some programs write from 0 to 255.
+//! Colours in floating point, which some programs write from 0 to 255, and greys.
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use rotund_image::linear_from_srgb;
 
@@ -76,4 +76,26 @@ impl Scale {
             )
         })
     }
+}
+
+/// Returns greys from black at the 1st to white at the 99th percentile of the intensities, none if
+/// these are equal.
+pub(super) fn greys(intensities: &[f32]) -> Vec<Vec4> {
+    const SAMPLE: usize = 1 << 16;
+    let step = (intensities.len() / SAMPLE).max(1);
+    let mut sample: Vec<f32> =
+        intensities.iter().step_by(step).copied().filter(|x| x.is_finite()).collect();
+    sample.sort_unstable_by(f32::total_cmp);
+    let last = sample.len().saturating_sub(1);
+    let ends = (sample.get(last / 100), sample.get((99 * last).div_ceil(100)));
+    let (Some(&low), Some(&high)) = ends else { return Vec::new() };
+    if low >= high {
+        return Vec::new();
+    }
+    let grey = |x: &f32| {
+        let share = (x - low) / (high - low);
+        let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+        Vec3::splat(linear_from_srgb(share)).extend(1.0)
+    };
+    intensities.iter().map(grey).collect()
 }

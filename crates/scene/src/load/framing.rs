@@ -181,28 +181,37 @@ fn octave(distance: f32) -> usize {
 /// Returns the octave of the farthest vertex that is no outlier.
 ///
 /// At most a twentieth of the vertices are outliers. Points are if they lie at least eight times as
-/// far away as all others. The vertices of lines and faces may lie along a long branch or in a
-/// large floor, so they are outliers only beyond an empty space that ends 32 times as far away as
-/// it starts.
+/// far away as all others, or at most a 200th of them if they lie at least twice as far away, as
+/// dust about scans and splats does. The vertices of lines and faces may lie along a long branch or
+/// in a large floor, so they are outliers only beyond an empty space that ends 32 times as far away
+/// as it starts.
 fn farthest_octave(counts: &Octaves, joined: bool) -> usize {
-    let empty = if joined { 5 } else { 3 };
+    const EMPTY: usize = 5;
     let total: u64 = counts.iter().sum();
     let allowed = if total < 4 { 0 } else { total.div_ceil(20) };
     let last = counts.iter().rposition(|&count| count > 0).unwrap_or(0);
-    let mut farthest = last;
-    let mut outside = 0;
     // Without any extent, nothing is far away.
     let first = (1..=last).find(|&octave| counts[octave] > 0).unwrap_or(last);
+    if !joined {
+        // Returns the octave of the farthest vertices that are inside if so many are outside.
+        let inside = |allowed: u64| {
+            let mut outside = 0;
+            let holds = |&octave: &usize| {
+                outside += counts[octave];
+                outside > allowed
+            };
+            (first..=last).rev().find(holds).unwrap_or(first)
+        };
+        return last.min(inside(allowed) + 3).min(inside(total / 200) + 1);
+    }
+    let mut farthest = last;
+    let mut outside = 0;
     for octave in (first..=last).rev() {
         outside += counts[octave];
         if outside > allowed {
-            // The octave holds the farthest vertices that must be inside.
-            if !joined && octave + empty < farthest {
-                farthest = octave + empty;
-            }
             break;
         }
-        let below = &counts[octave.saturating_sub(empty)..octave];
+        let below = &counts[octave.saturating_sub(EMPTY)..octave];
         if octave > first && counts[octave] > 0 && below.iter().all(|&count| count == 0) {
             farthest = octave - 1;
         }
@@ -234,7 +243,7 @@ mod tests {
     #[test]
     fn few_vertices_far_from_all_others_are_outliers() {
         type Distances = [(f32, u64)];
-        let table: [(&str, &Distances, u64, u64); 10] = [
+        let table: [(&str, &Distances, u64, u64); 12] = [
             ("nothing", &[], 0, 0),
             ("three points, since any could be the one", &[(1.0, 2), (1e4, 1)], 3, 3),
             ("one of many", &[(1.0, 200), (1e4, 1)], 200, 200),
@@ -243,6 +252,8 @@ mod tests {
             ("at several distances", &[(1.0, 99), (100.0, 1), (1e9, 1)], 99, 99),
             ("noise at all distances", &[(1.0, 99), (4.0, 1), (15.0, 1), (60.0, 1)], 101, 102),
             ("16 times as far", &[(1.0, 99), (16.0, 1)], 99, 100),
+            ("dust", &[(1.0, 1000), (2.5, 2), (5.0, 3)], 1002, 1005),
+            ("more than dust", &[(1.0, 1000), (2.5, 2), (5.0, 9)], 1011, 1011),
             ("all others in one place", &[(0.0, 99), (1.0, 1)], 100, 100),
             ("infinitely far", &[(1.0, 99), (f32::INFINITY, 1)], 99, 99),
         ];

@@ -6,6 +6,16 @@ use glam::Vec4;
 use std::collections::HashMap;
 
 impl Mesh {
+    /// Gives lines the colours of their materials.
+    pub(crate) fn color_lines_by_materials(&mut self) {
+        let materials = std::mem::take(&mut self.line_materials);
+        let color = |&i: &u32| self.materials.get(i as usize).and_then(|material| material.color);
+        if materials.iter().any(|i| color(i).is_some()) {
+            let colors = materials.iter().map(|i| color(i).map_or(Vec4::ONE, |c| c.extend(1.0)));
+            self.line_colors = colors.collect();
+        }
+    }
+
     /// Gives the colours of faces and lines to their vertices. Colours of vertices come first,
     /// unless they are all the same.
     pub(super) fn color_by_elements(&mut self) {

@@ -8,6 +8,7 @@ mod settle;
 
 pub(crate) use faces::{FaceElements, Faces, Look, NO_MATERIAL};
 pub(crate) use parts::Part;
+pub(crate) use settle::not_named;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
@@ -25,6 +26,8 @@ pub(crate) struct Mesh {
     pub lines: Vec<[u32; 2]>,
     /// The colour of each line; empty if lines have none of their own.
     pub line_colors: Vec<Vec4>,
+    /// The material of each line, as of faces; empty if no line has one.
+    pub line_materials: Vec<u32>,
     pub faces: Faces,
     /// What has been subtracted from all positions of the file.
     pub offset: DVec3,

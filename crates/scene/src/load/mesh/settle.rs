@@ -1,7 +1,7 @@
 //! Checks of a mesh after reading: what refers to nothing is an error, and what is merely bad is
 //! left out and counted.
 
-use super::{Mesh, polygons};
+use super::{FaceElements, Mesh, polygons};
 use crate::{
     load::error::LoadProblem,
     validate::{first_outside, is_color, is_radius},
@@ -23,6 +23,7 @@ impl Mesh {
             return Err(outside("face", index, vertex, count));
         }
         self.check_lines_and_points()?;
+        self.warn_of_vertices_not_named();
         self.color_by_elements();
         let left = polygons::divide(&mut self.faces, &self.positions);
         if left > 0 {
@@ -44,6 +45,19 @@ impl Mesh {
         let count = self.positions.len();
         check_indices("line", &self.lines, count)?;
         check_indices("point", self.points.as_chunks::<1>().0, count)
+    }
+
+    fn warn_of_vertices_not_named(&mut self) {
+        if self.faces.is_empty() && self.lines.is_empty() && self.points.is_empty() {
+            return;
+        }
+        let of_faces = match &self.faces.elements {
+            FaceElements::Triangles(triangles) => triangles.as_flattened(),
+            FaceElements::Quads(quads) => quads.as_flattened(),
+        };
+        let others = self.lines.as_flattened().iter().chain(&self.points);
+        let named = of_faces.iter().chain(others).copied();
+        self.warnings.extend(not_named(self.positions.len(), named));
     }
 
     fn check_count(&self) -> Result<(), LoadProblem> {
@@ -164,6 +178,15 @@ impl Mesh {
             expected,
         }
     }
+}
+
+/// Returns the warning about those of `count` vertices that no element names.
+pub(crate) fn not_named(count: usize, named: impl Iterator<Item = u32>) -> Option<String> {
+    let mut is_named = vec![false; count];
+    named.for_each(|vertex| is_named[vertex as usize] = true);
+    let left = is_named.iter().filter(|named| !**named).count();
+    (left > 0)
+        .then(|| format!("{left} of {count} vertices belong to no element; they are not drawn"))
 }
 
 fn check_indices<const N: usize>(

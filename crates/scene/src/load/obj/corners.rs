@@ -1,7 +1,10 @@
 //! The corners of elements in an OBJ file: indices of a position, a texture coordinate and a
 //! normal. Each distinct corner becomes a vertex.
 
-use crate::load::{error::LoadProblem, mesh::Mesh};
+use crate::load::{
+    error::LoadProblem,
+    mesh::{Mesh, not_named},
+};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
@@ -93,6 +96,7 @@ impl Corners {
             ));
         });
         let vertices: Vec<u32> = self.corners.iter().map(|(corner, _)| corner[0]).collect();
+        mesh.warnings.extend(not_named(counts[0], vertices.iter().copied()));
         mesh.gather(&vertices);
         mesh.texcoords = self.values(1, texcoords);
         mesh.normals = if no_normals.is_some() { Vec::new() } else { self.values(2, normals) };

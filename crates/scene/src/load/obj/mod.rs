@@ -1,5 +1,5 @@
 //! Reader of OBJ files: `v`, `vt`, `vn`, the elements `f`, `l` and `p`, and the materials that
-//! `mtllib` and `usemtl` name. Other statements are skipped, with a warning.
+//! `mtllib` and `usemtl` name, and the colours of vertices. Other statements are skipped, with a warning.
 //!
 //! Available libraries convert polylines to triangles or skip points.
 
@@ -43,11 +43,13 @@ struct Reader {
     positions: Vec<DVec3>,
     /// Colours of the positions, not yet linear; empty or as many.
     colors: Vec<Vec4>,
+    /// Colours that ZBrush writes in comments, of all vertices in their order.
+    of_comments: Vec<Vec4>,
     texcoords: Vec<Vec2>,
     normals: Vec<Vec3>,
     mesh: Mesh,
     corners: Corners,
-    /// The material of the faces that follow.
+    /// The material of the faces and lines that follow.
     material: Option<u32>,
     materials: HashMap<String, u32>,
     /// The number of lines of fewer than two vertices.
@@ -59,6 +61,9 @@ struct Reader {
 impl Reader {
     fn line(&mut self, line_number: usize, line: &str) -> Result<(), String> {
         let line = line.trim_ascii();
+        if let Some(hex) = line.strip_prefix("#MRGB ") {
+            self.of_comments.extend(hex.trim_ascii().as_bytes().chunks(8).map_while(masked_color));
+        }
         let said = line.split('#').next().unwrap_or_default();
         let mut words = said.split_ascii_whitespace();
         let keyword = words.next().unwrap_or_default();
@@ -119,7 +124,10 @@ impl Reader {
             }
             "l" => {
                 self.short_lines += usize::from(vertices.len() < 2);
-                self.mesh.lines.extend(vertices.windows(2).map(|pair| [pair[0], pair[1]]));
+                let mesh = &mut self.mesh;
+                mesh.lines.extend(vertices.windows(2).map(|pair| [pair[0], pair[1]]));
+                let material = self.material.unwrap_or(NO_MATERIAL);
+                mesh.line_materials.resize(mesh.lines.len(), material);
             }
             _ => self.mesh.points.extend(vertices),
         }
@@ -147,6 +155,16 @@ impl Reader {
                 self.unknown.iter().map(|(name, count)| format!("{name} ({count})")).collect();
             mesh.warnings.push(format!("statements that are not used: {}", listed(&names)));
         }
+        if self.colors.is_empty() && !self.of_comments.is_empty() {
+            let (count, vertices) = (self.of_comments.len(), self.positions.len());
+            if count == vertices {
+                self.colors = self.of_comments;
+            } else {
+                mesh.warnings.push(format!(
+                    "the colours of #MRGB are not used: there are {count} for {vertices} vertices"
+                ));
+            }
+        }
         mesh.warnings.extend(settle_colors(&mut self.colors));
         (mesh.positions, mesh.offset) = far::to_single(&self.positions);
         mesh.colors = self.colors;
@@ -154,6 +172,13 @@ impl Reader {
         self.corners.become_vertices(&mut mesh, &self.texcoords, &self.normals)?;
         Ok(mesh)
     }
+}
+
+/// Parses a mask and the channels of a colour, two hexadecimal digits each, as in `ff8040c0`.
+fn masked_color(digits: &[u8]) -> Option<Vec4> {
+    let number = u32::from_str_radix(str::from_utf8(digits).ok()?, 16).ok()?;
+    let [_, r, g, b] = number.to_be_bytes().map(|byte| f32::from(byte) / 255.0);
+    (digits.len() == 8).then_some(Vec4::new(r, g, b, 1.0))
 }
 
 /// Converts colours, which programs write as in images, to linear ones; returns a warning about

@@ -33,7 +33,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<(Vec<MeshMaterial>, Vec<String>), Loa
                 Some(color) => material.color = Some(color),
                 None => bad_lines.push(number.to_string()),
             },
-            "map_kd" => material.texture = texture(rest),
+            "map_kd" => {
+                let (options, name) = texture(rest);
+                material.texture = name;
+                unused.extend(options.iter().map(|option| format!("{option} of map_Kd")));
+            }
             "" | "ka" | "ni" | "ns" | "illum" | "tf" | "sharpness" => {}
             _ if is_neutral(keyword, rest) => {}
             _ => drop(unused.insert(keyword.to_owned())),
@@ -72,25 +76,44 @@ fn color(rest: &str) -> Option<Vec3> {
     (color.is_finite() && color.min_element() >= 0.0).then_some(color)
 }
 
-/// Returns the name of a file, which may have blanks, after options such as `-s 2 2 1`.
-fn texture(rest: &str) -> Option<String> {
+/// Returns the name of a file, which may have blanks, after options such as `-s 2 2 1`, and those
+/// options that would change what is seen.
+fn texture(rest: &str) -> (Vec<&str>, Option<String>) {
+    let mut options = Vec::new();
     let mut rest = rest;
     while rest.starts_with('-') {
-        let (option, after) = rest.split_once(|c: char| c.is_ascii_whitespace())?;
+        let Some((option, after)) = rest.split_once(|c: char| c.is_ascii_whitespace()) else {
+            return (options, None);
+        };
         rest = after.trim_start();
+        let mut changes = false;
         let words = match option {
             "-o" | "-s" | "-t" => 3,
             "-mm" => 2,
             _ => 1,
         };
         for k in 0..words {
-            let (word, after) = rest.split_once(|c: char| c.is_ascii_whitespace())?;
+            let Some((word, after)) = rest.split_once(|c: char| c.is_ascii_whitespace()) else {
+                return (options, None);
+            };
             // Of three numbers, the second and third may be left out.
-            if k > 0 && word.parse::<f32>().is_err() {
+            let number = word.parse::<f32>();
+            if k > 0 && number.is_err() {
                 break;
             }
+            changes |= match option {
+                "-s" => number != Ok(1.0),
+                "-o" | "-t" => number != Ok(0.0),
+                "-mm" => number != Ok(k as f32),
+                "-clamp" | "-cc" => word == "on",
+                "-imfchan" | "-type" => true,
+                _ => false,
+            };
             rest = after.trim_start();
         }
+        if changes {
+            options.push(option);
+        }
     }
-    (!rest.is_empty()).then(|| rest.trim_matches('"').to_owned())
+    (options, (!rest.is_empty()).then(|| rest.trim_matches('"').to_owned()))
 }

@@ -3,7 +3,7 @@
 use super::{
     header::{Element, Encoding, Type},
     names::plain,
-    rows::{decode_column, decode_rests},
+    rows::{array, decode_column, decode_rests},
 };
 use crate::load::far::FAR;
 use rotund_image::{linear_from_srgb, linear_from_srgb_table};
@@ -55,6 +55,11 @@ pub(super) struct Layout {
     pub positions_at: Option<usize>,
     /// True if positions have more digits than single precision.
     pub is_fine: bool,
+    /// The type of a property that packs the channels of a colour into the bits of one number,
+    /// alpha first, as PCL writes it; green and blue have no property then.
+    packed: Option<Type>,
+    /// Whether a brightness stands for all channels.
+    pub is_grey: bool,
     /// Whether the colours are the constant terms of spherical harmonics.
     is_splat: bool,
     /// The radius for a size of 1.
@@ -99,10 +104,13 @@ impl Layout {
             types,
             positions_at,
             is_fine,
+            packed: None,
+            is_grey: false,
             is_splat,
             radius_of_size,
         };
         layout.drop_incomplete();
+        layout.take_single_color(element);
         layout
     }
 
@@ -128,6 +136,46 @@ impl Layout {
         }
     }
 
+    /// Takes the colours from a single property if there are no channels.
+    fn take_single_color(&mut self, element: &Element) {
+        const GREYS: [&str; 6] =
+            ["intensity", "reflectance", "reflectivity", "amplitude", "grey", "gray"];
+        if self.has(COLOR, 3) {
+            return;
+        }
+        let find = |fits: &dyn Fn(&str, Type) -> bool| {
+            element.properties.iter().position(|property| {
+                property.count.is_none() && fits(&plain(&property.name), property.item)
+            })
+        };
+        let has_bits = |item| matches!(item, Type::F32 | Type::U32 | Type::I32);
+        let packed = find(&|name, item| ["rgb", "rgba"].contains(&name) && has_bits(item));
+        let grey = || find(&|name, _| GREYS.contains(&name));
+        let Some(i) = packed.or_else(grey) else { return };
+        self.columns[i] = Some(COLOR);
+        if packed.is_some() {
+            self.packed = Some(self.items[i]);
+            self.types[COLOR..ALPHA].fill(Some(Type::U8));
+            if plain(&element.properties[i].name) == "rgba" {
+                self.types[ALPHA] = Some(Type::U8);
+            }
+        } else {
+            self.is_grey = true;
+            self.types[COLOR..ALPHA].fill(Some(Type::F32));
+        }
+    }
+
+    /// Adds the channels of a colour that is packed into the bits of a number.
+    fn push_packed(&self, bits: u32, columns: &mut Columns) {
+        let [a, r, g, b] = bits.to_be_bytes();
+        for (column, channel) in columns[COLOR..].iter_mut().zip([r, g, b]) {
+            column.push(channel.into());
+        }
+        if self.types[ALPHA].is_some() {
+            columns[ALPHA].push(a.into());
+        }
+    }
+
     pub(super) fn has(&self, first: usize, count: usize) -> bool {
         self.types[first..first + count].iter().all(Option::is_some)
     }
@@ -140,7 +188,9 @@ impl Layout {
     /// Returns whether colours are in floating point and linear, unless they are from 0 to 255.
     pub(super) fn has_float_colors(&self) -> bool {
         let is_float = |item: Option<Type>| item.is_some_and(|item| !item.is_integer());
-        !self.is_splat && self.types[COLOR..ALPHA].iter().all(|item| is_float(*item))
+        !self.is_splat
+            && !self.is_grey
+            && self.types[COLOR..ALPHA].iter().all(|item| is_float(*item))
     }
 
     /// Decodes the rows of a block, of `size` bytes each.
@@ -148,6 +198,19 @@ impl Layout {
         let mut offset = 0;
         columns[REST..].iter_mut().for_each(Vec::clear);
         for (&item, &column) in self.items.iter().zip(&self.columns) {
+            if column == Some(COLOR) && self.packed.is_some() {
+                columns[COLOR..=ALPHA].iter_mut().for_each(Vec::clear);
+                for row in block.chunks_exact(size) {
+                    let bytes = array(&row[offset..]);
+                    let bits = match self.encoding {
+                        Encoding::BigEndian => u32::from_be_bytes(bytes),
+                        _ => u32::from_le_bytes(bytes),
+                    };
+                    self.push_packed(bits, columns);
+                }
+                offset += item.size();
+                continue;
+            }
             let copied = |column| self.positions_at.is_some() && column < POSITION + 3;
             if let Some(column) = column.filter(|&column| !copied(column)) {
                 columns[column].clear();
@@ -167,8 +230,16 @@ impl Layout {
 
     /// Adds a row of text to the columns.
     pub(super) fn push(&self, row: &[f64; COUNT], columns: &mut Columns) {
+        if let Some(item) = self.packed {
+            let value = row[COLOR];
+            // The cast of a negative integer wraps around, as its bits do.
+            let as_integer = value as i64 as u32;
+            let bits = if item == Type::F32 { (value as f32).to_bits() } else { as_integer };
+            self.push_packed(bits, columns);
+        }
         for (i, &value) in row.iter().enumerate() {
-            if self.types[i].is_none() {
+            let is_pushed = self.packed.is_some() && (COLOR..=ALPHA).contains(&i);
+            if self.types[i].is_none() || is_pushed {
                 continue;
             }
             columns[i].push(value as f32);
@@ -180,6 +251,10 @@ impl Layout {
 
     /// Converts colours to linear ones and sizes to radii.
     pub(super) fn interpret(&self, columns: &mut Columns) {
+        if self.is_grey {
+            let (grey, others) = columns[COLOR..ALPHA].split_at_mut(1);
+            others.iter_mut().for_each(|column| column.clone_from(&grey[0]));
+        }
         for (i, column) in columns.iter_mut().enumerate().take(ALPHA + 1).skip(COLOR) {
             if self.is_splat && i != ALPHA {
                 // The constant basis function of the spherical harmonics is 1 / (2 sqrt(pi)).

@@ -6,7 +6,12 @@ use super::{
     rows::{ROWS, Rows, array},
 };
 use crate::{
-    load::{colors::Scale, error::LoadProblem, far, mesh::Mesh},
+    load::{
+        colors::{Scale, greys},
+        error::LoadProblem,
+        far,
+        mesh::Mesh,
+    },
     validate::{is_color, is_radius},
 };
 use bytemuck::zeroed_vec;
@@ -21,7 +26,8 @@ use std::{
 /// Reads positions and the other columns that are present; skips other properties, with a warning.
 ///
 /// Colours in integers are sRGB as in images, and the largest integer represents 1; colours in
-/// floating point are linear, unless they are from 0 to 255.
+/// floating point are linear, unless they are from 0 to 255. Without colours, an intensity is
+/// shown as grey, as in points as text.
 ///
 /// Rows of fixed size are read block by block and decoded on all threads directly into the arrays.
 pub(super) fn read<R: BufRead + Send>(
@@ -49,7 +55,10 @@ pub(super) fn read<R: BufRead + Send>(
     if seen.is_far {
         mesh.offset = far::move_near(&mut mesh.positions, &rests);
     }
-    if layout.has_float_colors() {
+    if layout.is_grey {
+        let brightness: Vec<f32> = mesh.colors.iter().map(|color| color.x).collect();
+        mesh.colors = greys(&brightness);
+    } else if layout.has_float_colors() {
         mesh.warnings.extend(seen.scale.settle(&mut mesh.colors));
     }
     Ok(())

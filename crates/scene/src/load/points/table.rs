@@ -5,6 +5,7 @@ use super::{
     number,
 };
 use crate::load::{
+    colors::greys,
     error::LoadProblem,
     far,
     file::lines,
@@ -265,26 +266,4 @@ fn colors(mut colors: Vec<Vec4>) -> Vec<Vec4> {
         *color = Vec4::new(r, g, b, color.w / opaque);
     }
     colors
-}
-
-/// Returns greys from black at the 1st to white at the 99th percentile of the intensities, none if
-/// these are equal.
-fn greys(intensities: &[f32]) -> Vec<Vec4> {
-    const SAMPLE: usize = 1 << 16;
-    let step = (intensities.len() / SAMPLE).max(1);
-    let mut sample: Vec<f32> =
-        intensities.iter().step_by(step).copied().filter(|x| x.is_finite()).collect();
-    sample.sort_unstable_by(f32::total_cmp);
-    let last = sample.len().saturating_sub(1);
-    let ends = (sample.get(last / 100), sample.get((99 * last).div_ceil(100)));
-    let (Some(&low), Some(&high)) = ends else { return Vec::new() };
-    if low >= high {
-        return Vec::new();
-    }
-    let grey = |x: &f32| {
-        let share = (x - low) / (high - low);
-        let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
-        Vec3::splat(linear_from_srgb(share)).extend(1.0)
-    };
-    intensities.iter().map(grey).collect()
 }

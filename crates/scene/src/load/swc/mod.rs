@@ -57,7 +57,8 @@ fn color(structure: Structure) -> Vec4 {
 /// Converts a tree to lines, and nodes without any segment of their own to lines of no length,
 /// which are balls.
 fn lines(tree: &Tree) -> Mesh {
-    let mut output = Output { mesh: Mesh::default(), vertices: vec![None; tree.nodes.len()] };
+    let mesh = Mesh { offset: tree.offset, ..Mesh::default() };
+    let mut output = Output { mesh, vertices: vec![None; tree.nodes.len()] };
     let mut has_child = vec![false; tree.nodes.len()];
     for (i, node) in tree.nodes.iter().enumerate() {
         let Some(p) = node.parent.map(|parent| parent as usize) else { continue };

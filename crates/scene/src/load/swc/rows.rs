@@ -1,7 +1,8 @@
 //! The rows of an SWC file.
 
 use crate::load::{error::LoadProblem, file};
-use glam::Vec3;
+use glam::DVec3;
+use std::str::FromStr;
 
 /// A row: a node, and the node that it continues.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +11,7 @@ pub(super) struct Row {
     pub line: usize,
     pub id: u64,
     pub structure: Structure,
-    pub position: Vec3,
+    pub position: DVec3,
     /// Zero if it was not measured.
     pub radius: f32,
     /// `None` for a root.
@@ -76,22 +77,23 @@ fn row(line: usize, words: &[&str]) -> Result<Row, String> {
         id: u64::try_from(integer("id", id)?)
             .map_err(|_| format!("id is {id}, expected an integer that is not negative"))?,
         structure,
-        position: Vec3::new(coordinate("x", x)?, coordinate("y", y)?, coordinate("z", z)?),
+        position: DVec3::new(coordinate("x", x)?, coordinate("y", y)?, coordinate("z", z)?),
         radius: measured(radius)?,
         // Any negative number marks a root, but -1 is the one to write.
         parent: u64::try_from(integer("parent", parent)?).ok(),
     })
 }
 
-fn number(name: &str, word: &str) -> Result<f32, String> {
+fn number<T: FromStr>(name: &str, word: &str) -> Result<T, String> {
     let hint = "a comment begins with #";
     word.parse().map_err(|_| format!("{name} is {word:?}, expected a number; {hint}"))
 }
 
-fn coordinate(name: &str, word: &str) -> Result<f32, String> {
-    let value = number(name, word)?;
-    let refused = || format!("{name} is {value}, expected a finite number; correct or remove it");
-    value.is_finite().then_some(value).ok_or_else(refused)
+fn coordinate(name: &str, word: &str) -> Result<f64, String> {
+    let value: f64 = number(name, word)?;
+    let refused = || format!("{name} is {word}, expected a finite number; correct or remove it");
+    // It becomes single.
+    (value as f32).is_finite().then_some(value).ok_or_else(refused)
 }
 
 /// Parses a radius; zero for one that was not measured, as some programs write it.
@@ -99,7 +101,7 @@ fn measured(word: &str) -> Result<f32, String> {
     if ["", "na", "nan"].contains(&word.to_ascii_lowercase().as_str()) {
         return Ok(0.0);
     }
-    let radius = number("radius", word)?;
+    let radius: f32 = number("radius", word)?;
     let refused = || {
         let expected = "a finite number that is not negative";
         format!("radius is {radius}, expected {expected}; write 0 if it was not measured")

@@ -1,8 +1,8 @@
 //! The nodes of an SWC file with their parents by index, checked for loops.
 
 use super::rows::{Row, Structure};
-use crate::load::error::LoadProblem;
-use glam::Vec3;
+use crate::load::{error::LoadProblem, far};
+use glam::{DVec3, Vec3};
 use std::collections::{HashMap, hash_map::Entry};
 
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +21,8 @@ pub(super) struct Node {
 #[derive(Debug)]
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
+    /// What has been subtracted from all positions of the file.
+    pub offset: DVec3,
     /// The indices of all nodes, each after that of its parent.
     pub order: Vec<u32>,
 }
@@ -55,7 +57,9 @@ pub(super) fn build(rows: &[Row]) -> Result<(Tree, usize), LoadProblem> {
             }
         }
     }
-    let node = |row: &&Row| {
+    let positions: Vec<DVec3> = kept.iter().map(|row| row.position).collect();
+    let (positions, offset) = far::to_single(&positions);
+    let node = |(row, &position): (&&Row, &Vec3)| {
         let index = |id| {
             index_of.get(&id).copied().ok_or_else(|| {
                 at(row, format!(
@@ -65,11 +69,11 @@ pub(super) fn build(rows: &[Row]) -> Result<(Tree, usize), LoadProblem> {
                 ))
             })
         };
-        let &Row { structure, position, radius, .. } = *row;
+        let &Row { structure, radius, .. } = *row;
         let parent = row.parent.map(index).transpose()?;
         Ok(Node { structure, position, radius, parent, joined: false })
     };
-    let nodes: Vec<Node> = kept.iter().map(node).collect::<Result<_, _>>()?;
+    let nodes: Vec<Node> = kept.iter().zip(&positions).map(node).collect::<Result<_, _>>()?;
     let order = parents_first(&nodes).map_err(|index| {
         let row = kept[index as usize];
         at(row, format!(
@@ -77,7 +81,7 @@ pub(super) fn build(rows: &[Row]) -> Result<(Tree, usize), LoadProblem> {
             row.id
         ))
     })?;
-    Ok((Tree { nodes, order }, rows.len() - kept.len()))
+    Ok((Tree { nodes, offset, order }, rows.len() - kept.len()))
 }
 
 fn at(row: &Row, problem: String) -> LoadProblem {

@@ -9,7 +9,10 @@
 //! NiBabel.
 
 use super::{Bundle, byte_order::ByteOrder, orientation::Orientation};
-use crate::load::{error::LoadProblem, mesh::Mesh};
+use crate::load::{
+    error::LoadProblem,
+    mesh::{Mesh, listed},
+};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Reads all streamlines of a file.
@@ -40,7 +43,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Mesh, LoadProblem> {
             rest.len()
         ));
     }
-    mesh.warnings.extend(header.warning);
+    mesh.warnings.extend(header.warnings);
     Ok(mesh)
 }
 
@@ -91,7 +94,7 @@ struct Header {
     /// The number of streamlines; 0 if it is not known.
     count: u64,
     space_from_file: DAffine3,
-    warning: Option<String>,
+    warnings: Vec<String>,
 }
 
 impl Header {
@@ -115,18 +118,38 @@ impl Header {
             usize::try_from(count).map(|count| 4 * count).map_err(refused)
         });
         let [scalars_size, properties_size] = sizes;
+        let (scalars_size, properties_size) = (scalars_size?, properties_size?);
+        let more = not_used(bytes, scalars_size / 4, properties_size / 4);
         let count = order.i32(array(bytes, 988));
         let refused = |_| format!("n_count is {count}, expected 0, for unknown, or more");
         let (space_from_file, warning) = space_from_file(bytes, order)?;
         Ok(Self {
             order,
-            point_size: 12 + scalars_size?,
-            properties_size: properties_size?,
+            point_size: 12 + scalars_size,
+            properties_size,
             count: u64::try_from(count).map_err(refused)?,
             space_from_file,
-            warning,
+            warnings: warning.into_iter().chain(more).collect(),
         })
     }
+}
+
+/// Returns the warning about numbers beside the points, by the names that the header has for the
+/// first ten of each kind.
+fn not_used(bytes: &[u8; SIZE], scalars: usize, properties: usize) -> Option<String> {
+    let name = |what: &str, at: usize, i: usize| {
+        let field = bytes[at..at + 200].chunks(20).nth(i).unwrap_or_default();
+        // NiBabel writes a name, a zero and the number of values into a field.
+        let text = field.split(|&byte| byte == 0).next().unwrap_or_default();
+        match String::from_utf8_lossy(text).trim() {
+            "" => format!("{what} {}", i + 1),
+            name => format!("{what} {name}"),
+        }
+    };
+    let of_points = (0..scalars).map(|i| name("scalar", 38, i));
+    let of_lines = (0..properties).map(|i| name("property", 240, i));
+    let names: Vec<String> = of_points.chain(of_lines).collect();
+    (!names.is_empty()).then(|| format!("not used of the streamlines: {}", listed(&names)))
 }
 
 /// Returns the transform of coordinates in the file to those of the scanner, with the text of a
