@@ -134,6 +134,11 @@ fn what_materials_miss_or_hold_more_is_a_warning() {
     let bad = MTL.replace("0 0 0.5", "spectral a.rfl");
     let found = with(&bad);
     assert!(found.warnings[0].contains("line 9"), "{:?}", found.warnings);
+    let unnamed = obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl\nf 1 2 3\n");
+    assert_eq!(unnamed.warnings, Vec::<String>::new(), "no material");
+    let quoted = TWO.replace("my colours.mtl", "\"my colours.mtl\"");
+    let found = loaded(&[("thing.obj", &quoted), ("my colours.mtl", MTL)]);
+    assert_eq!(found.warnings, Vec::<String>::new(), "a name in quotes");
     let absent = obj(TWO);
     assert!(absent.warnings.iter().any(|w| w.contains("my")), "{:?}", absent.warnings);
     let last = absent.warnings.last().expect("a warning");

@@ -80,8 +80,10 @@ impl Reader {
                 self.texcoords.push(Vec2::new(u as f32, (1.0 - v) as f32));
             }
             "f" | "l" | "p" => self.element(line_number, keyword, words)?,
-            "usemtl" => self.material = Some(self.material(name())),
-            "mtllib" => self.mesh.libraries.push(name().to_owned()),
+            "usemtl" => {
+                self.material = Some(name()).filter(|n| !n.is_empty()).map(|n| self.material(n));
+            }
+            "mtllib" => self.mesh.libraries.push(name().trim_matches('"').to_owned()),
             // Names of groups, smoothing of normals that the file does not have, and display.
             "" | "o" | "g" | "s" | "mg" | "lod" | "bevel" | "c_interp" | "d_interp" => {}
             other => *self.unknown.entry(other.chars().take(24).collect()).or_default() += 1,
