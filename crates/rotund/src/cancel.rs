@@ -1,6 +1,6 @@
 //! Ctrl-C, SIGTERM and SIGHUP: the first ends a render early, and its samples are written; the
-//! second ends the program at once. SIGXFSZ, of a file as large as `ulimit -f` allows, ends nothing:
-//! the write fails.
+//! second ends the program at once. SIGXFSZ, of a file that is as large as `ulimit -f` allows, ends
+//! nothing: the write fails.
 
 use crate::exit;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -40,8 +40,8 @@ impl Cancel {
     }
 }
 
-/// Makes a file that grows beyond the limit of the process (`ulimit -f`) an error of the write, with
-/// a message, instead of the end of the program.
+/// Makes a file that grows beyond the limit of the process (`ulimit -f`) an error of the write, not
+/// the end of the program.
 pub(crate) fn survive_large_files() {
     #[cfg(unix)]
     {

@@ -239,6 +239,8 @@ fn bad_elements_and_corners_are_left_out_and_counted() {
 fn vertices_that_no_element_names_are_counted() {
     assert_warns("faces", &obj(&format!("{SQUARE}f 1 2 3\n")), &["1 of 4 vertices", "not drawn"]);
     assert_eq!(obj(SQUARE).warnings, Vec::<String>::new(), "points");
+    let pole = format!("{SQUARE}v 1 1 0\nf 1 2 3 4\n");
+    assert_eq!(obj(&pole).warnings, Vec::<String>::new(), "one is at the same place");
 }
 
 #[test]

@@ -86,8 +86,8 @@ pub(super) struct PatchImage {
 /// so that rounding is about a hundredth of the one to `f32`.
 const TOO_FEW_DIGITS: f64 = 1.0 / 17_592_186_044_416.0;
 
-/// The square of `2⁻²⁸`: seen from far, a root of `D` must be this share of `4 k s`. Then `u` and `v`
-/// are wrong by `2⁻²⁴` at most, as much as by their rounding to `f32`.
+/// The square of `2⁻²⁸`: seen from far, the root of `D` must be this share of `4 k s`. Then `u` and
+/// `v` are wrong by `2⁻²⁴` at most, as much as by their rounding to `f32`.
 const TOO_FAR: f64 = 1.0 / 72_057_594_037_927_936.0;
 
 /// `2⁻⁴⁶`: bounds the error of `D` as a share of `4 k s³`.

@@ -8,6 +8,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 impl Mesh {
     /// Makes the mesh valid, with warnings about what is left out or replaced.
@@ -57,7 +58,7 @@ impl Mesh {
         };
         let others = self.lines.as_flattened().iter().chain(&self.points);
         let named = of_faces.iter().chain(others).copied();
-        self.warnings.extend(not_named(self.positions.len(), named));
+        self.warnings.extend(not_named(&self.positions, named));
     }
 
     fn check_count(&self) -> Result<(), LoadProblem> {
@@ -180,11 +181,22 @@ impl Mesh {
     }
 }
 
-/// Returns the warning about those of `count` vertices that no element names.
-pub(crate) fn not_named(count: usize, named: impl Iterator<Item = u32>) -> Option<String> {
+/// Returns the warning about vertices that no element names. Those at the place of one that is
+/// named do not count: spheres have them at their poles.
+pub(crate) fn not_named(positions: &[Vec3], named: impl Iterator<Item = u32>) -> Option<String> {
+    let count = positions.len();
     let mut is_named = vec![false; count];
     named.for_each(|vertex| is_named[vertex as usize] = true);
-    let left = is_named.iter().filter(|named| !**named).count();
+    let unnamed: Vec<usize> = (0..count).filter(|&vertex| !is_named[vertex]).collect();
+    if unnamed.is_empty() {
+        return None;
+    }
+    let place = |vertex: usize| positions[vertex].to_array().map(f32::to_bits);
+    let mut places: HashSet<_> = unnamed.iter().map(|&vertex| place(vertex)).collect();
+    for vertex in (0..count).filter(|&vertex| is_named[vertex]) {
+        places.remove(&place(vertex));
+    }
+    let left = unnamed.iter().filter(|&&vertex| places.contains(&place(vertex))).count();
     (left > 0)
         .then(|| format!("{left} of {count} vertices belong to no element; they are not drawn"))
 }

@@ -96,7 +96,7 @@ impl Corners {
             ));
         });
         let vertices: Vec<u32> = self.corners.iter().map(|(corner, _)| corner[0]).collect();
-        mesh.warnings.extend(not_named(counts[0], vertices.iter().copied()));
+        mesh.warnings.extend(not_named(&mesh.positions, vertices.iter().copied()));
         mesh.gather(&vertices);
         mesh.texcoords = self.values(1, texcoords);
         mesh.normals = if no_normals.is_some() { Vec::new() } else { self.values(2, normals) };

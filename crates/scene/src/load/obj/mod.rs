@@ -1,5 +1,5 @@
-//! Reader of OBJ files: `v`, `vt`, `vn`, the elements `f`, `l` and `p`, and the materials that
-//! `mtllib` and `usemtl` name, and the colours of vertices. Other statements are skipped, with a warning.
+//! Reader of OBJ files: `v` with or without a colour, `vt`, `vn`, the elements `f`, `l` and `p`,
+//! and the materials that `mtllib` and `usemtl` name. Other statements are skipped, with a warning.
 //!
 //! Available libraries convert polylines to triangles or skip points.
 

@@ -235,7 +235,7 @@ impl Corners {
         let ends = mesh.lines.as_flattened_mut().iter_mut();
         ends.chain(&mut mesh.points).for_each(|vertex| *vertex = self.number(*vertex, Vec2::ZERO));
         let vertices: Vec<u32> = self.corners.iter().map(|(vertex, _)| *vertex).collect();
-        mesh.warnings.extend(not_named(mesh.positions.len(), vertices.iter().copied()));
+        mesh.warnings.extend(not_named(&mesh.positions, vertices.iter().copied()));
         mesh.gather(&vertices);
         mesh.texcoords = self.corners.into_iter().map(|(_, texcoord)| texcoord).collect();
         // The new vertices have not been checked.
