@@ -1,7 +1,7 @@
 //! The C interface of Open Image Denoise 2: the only unsafe code of the crate, behind safe calls.
 //!
-//! It follows the header `oidn.h` of version 2, whose functions and constants are stable within that
-//! version. The version is asked for before anything else is called.
+//! It follows the header `oidn.h` of version 2, whose functions and constants are stable within
+//! that version. Libraries of another version are refused.
 
 #![expect(unsafe_code, reason = "a library in C is called")]
 
@@ -130,8 +130,8 @@ impl Library {
         self.version
     }
 
-    /// Runs the filter for ray-traced pictures over images of `width x height` pixels with the names
-    /// that it knows, and returns its output.
+    /// Runs the filter for ray-traced pictures over images of `width x height` pixels with the
+    /// names that it knows, and returns its output.
     ///
     /// # Panics
     ///

@@ -46,6 +46,7 @@ const RULES: [Rule; 8] = [
             "crates/tidy/src/files.rs",
             "crates/tidy/src/scenes.rs",
             "crates/trace/src/output/checkpoint.rs",
+            "crates/viewer/src/watch.rs",
         ],
         why: "only loaders, writers and commands touch files",
     },

@@ -1,6 +1,6 @@
 //! From radiance to the colours of a screen, and to bytes.
 
-use crate::Settings;
+use crate::settings::Settings;
 use rotund_image::{EncodeError, Format, Image, encode};
 
 /// How radiance becomes colours.

@@ -1,11 +1,11 @@
 //! The thread that renders for all clients in turn.
 
+use crate::board::Board;
 use crate::message::Event;
 use crate::place::Place;
 use crate::publisher::Publisher;
 use crate::seat::Seat;
-use crate::session::Shared;
-use crate::viewer::Bell;
+use crate::shared::Shared;
 use std::mem;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ const LOADING: Duration = Duration::from_millis(250);
 
 /// The thread that renders for all clients in turn.
 pub(crate) struct Engine {
-    bell: Arc<Bell>,
+    board: Arc<Board>,
     publisher: Arc<Publisher>,
     place: Option<Box<Place>>,
     seats: Vec<Seat>,
@@ -26,9 +26,9 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    pub(crate) fn new(bell: Arc<Bell>) -> Self {
+    pub(crate) fn new(board: Arc<Board>) -> Self {
         let publisher = Publisher::start();
-        Self { bell, publisher, place: None, seats: Vec::new(), turn: 0, failed: None }
+        Self { board, publisher, place: None, seats: Vec::new(), turn: 0, failed: None }
     }
 
     /// Serves clients until the viewer ends.
@@ -48,18 +48,17 @@ impl Engine {
             }
             match self.next_seat() {
                 Ok(index) => self.serve(index),
-                Err(wait) => self.bell.wait(wait),
+                Err(wait) => self.board.bell.wait(wait),
             }
         }
     }
 
     /// Takes what is new: clients and scenes. Returns true if the viewer ends.
     fn look_at_board(&mut self) -> bool {
-        let mut board = self.bell.lock();
-        board.rung = false;
-        let arrived = mem::take(&mut board.arrived);
-        let (loading, loaded, ended) = (board.loading, board.loaded.take(), board.ended);
-        drop(board);
+        let mut news = self.board.news();
+        let arrived = mem::take(&mut news.arrived);
+        let (loading, loaded, ended) = (news.loading, news.loaded.take(), news.ended);
+        drop(news);
         for shared in arrived {
             let mut seat = Seat::new(shared, Arc::clone(&self.publisher));
             if let Some(place) = &self.place {
@@ -112,7 +111,7 @@ impl Engine {
             }
         }
         let wait = earliest.map(|at| at - now);
-        let is_loading = self.bell.lock().loading.is_some();
+        let is_loading = self.board.news().loading.is_some();
         let report = is_loading.then_some(LOADING);
         Err(wait.map_or(report, |wait| Some(report.map_or(wait, |report| wait.min(report)))))
     }
@@ -125,10 +124,9 @@ impl Engine {
         // What the others want, movements above all, comes before the refinement of this one.
         let others: Vec<Arc<Shared>> =
             self.seats.iter().map(|seat| Arc::clone(&seat.shared)).collect();
-        let bell = &self.bell;
+        let board = &self.board;
         let interrupted = |own: &Shared| {
-            let board = bell.lock();
-            let news = board.ended || board.loaded.is_some() || !board.arrived.is_empty();
+            let news = board.news().wait();
             news || own.wants_attention() || others.iter().any(|shared| shared.wants_attention())
         };
         self.seats[index].step(place, alone, &interrupted);

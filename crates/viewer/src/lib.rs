@@ -9,6 +9,9 @@
 //! the wanted number is there; then nothing is done any more. A picture at rest is the one that
 //! [`rotund_trace::World::render`] makes with the same camera and options, bit for bit.
 
+mod bell;
+mod board;
+mod content;
 mod develop;
 mod engine;
 mod inspect;
@@ -20,16 +23,18 @@ mod rig;
 mod seat;
 mod session;
 mod settings;
+mod shared;
+mod side;
 mod viewer;
 mod watch;
 
+pub use content::Content;
 pub use message::{
-    Activity, CameraText, Event, Frame, FrameHeader, Inspection, Motion, Request, Side, State,
+    Activity, CameraText, Event, Frame, FrameHeader, Inspection, Motion, Output, Request, State,
     Status, Surface,
 };
-pub use session::{Output, SaveError, Session, Snapshot};
-pub use settings::{OverlapChoice, Settings, SettingsError};
-pub use viewer::{Content, Viewer};
-
-/// Longest side of a picture in pixels; larger ones are reduced to it.
-pub const LONGEST_SIDE: u32 = 3840;
+pub use session::Session;
+pub use settings::{LONGEST_SIDE, OverlapChoice, Settings, SettingsError};
+pub use shared::{SaveError, Snapshot};
+pub use side::Side;
+pub use viewer::Viewer;

@@ -4,6 +4,7 @@
 //! v runs down.
 
 use crate::settings::Settings;
+use crate::side::Side;
 use glam::Affine3A;
 use rotund_scene::Camera;
 use serde::{Deserialize, Serialize};
@@ -236,16 +237,6 @@ pub struct Status {
     pub fireflies: u64,
 }
 
-/// Which of two pictures that are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Side {
-    /// By the methods of the settings.
-    Chosen,
-    /// All kinds vanilla.
-    Vanilla,
-}
-
 /// What a frame shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameHeader {
@@ -276,6 +267,15 @@ pub struct Frame {
     pub header: FrameHeader,
     /// The encoded picture.
     pub bytes: Vec<u8>,
+}
+
+/// What a viewer sends to a client.
+#[derive(Clone, Debug)]
+pub enum Output {
+    /// A message.
+    Event(Event),
+    /// A picture.
+    Frame(Frame),
 }
 
 /// What is at a point of the picture.

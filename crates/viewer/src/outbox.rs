@@ -1,7 +1,6 @@
 //! What waits to be sent to a client: the latest of everything, so memory is bounded.
 
-use crate::message::{Event, Frame, FrameHeader, Request, Side};
-use crate::session::Output;
+use crate::message::{Event, Frame, FrameHeader, Output, Request};
 use std::collections::VecDeque;
 use std::mem;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -141,15 +140,11 @@ impl Content {
     }
 }
 
-impl Side {
-    /// Both sides, in the order of their indices.
-    pub(crate) const ALL: [Self; 2] = [Self::Chosen, Self::Vanilla];
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::message::{Activity, Status};
+    use crate::side::Side;
 
     const NOW: Duration = Duration::ZERO;
 

@@ -1,8 +1,8 @@
 //! A loaded scene, with what the viewer adds to it.
 
-use crate::message::Side;
+use crate::content::Content;
 use crate::settings::{OverlapChoice, Settings};
-use crate::viewer::Content;
+use crate::side::Side;
 use glam::{Vec2, Vec3};
 use rotund_geometry::Aabb;
 use rotund_scene::{Camera, Elements, Overlap, Scene, SceneError};

@@ -1,8 +1,9 @@
 //! The thread that turns images into the bytes of frames, while the next are rendered.
 
 use crate::develop::{Tone, encoded};
-use crate::message::{Event, Side};
-use crate::session::Shared;
+use crate::message::Event;
+use crate::shared::Shared;
+use crate::side::Side;
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;

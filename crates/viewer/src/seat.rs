@@ -1,38 +1,25 @@
 //! The engine's side of one client: camera, settings, and the pictures in progress.
 
 use crate::inspect::{inspect, ray};
-use crate::message::{
-    Activity, CameraText, Event, FrameHeader, Motion, Request, Side, State, Status,
-};
+use crate::message::{CameraText, Event, Motion, Request, State};
 use crate::place::Place;
 use crate::publisher::Publisher;
 use crate::rig::Rig;
-use crate::session::{Ask, Kept, SaveError, Shared, Snapshot};
-use crate::{LONGEST_SIDE, Settings};
+use crate::settings::{LONGEST_SIDE, Settings};
+use crate::shared::{Ask, SaveError, Shared, Snapshot};
+use crate::side::Side;
 use glam::Vec3;
-use rotund_image::{Image, luminance};
+use rotund_image::Image;
 use rotund_scene::Camera;
 use rotund_trace::{Film, Layers, Options, RenderError, World};
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Time that a preview may take.
-const PREVIEW: Duration = Duration::from_millis(25);
+mod render;
+
 /// Time after a movement during which another is awaited before the picture is refined, which
 /// takes longer to interrupt.
 const PAUSE: Duration = Duration::from_millis(80);
-/// Pixels of the smallest preview.
-const FEWEST_PIXELS: f64 = 48.0 * 32.0;
-/// Factor of the number of pixels from one preview to the next while the camera rests.
-const STEP: f64 = 4.0;
-/// Least time between two pictures of a refinement.
-const PUBLISH: Duration = Duration::from_millis(200);
-/// Time between two pictures, in times that it takes to make one from the film.
-const PUBLISH_COST: u32 = 20;
-/// Time of a slice if both sides of a comparison, or several clients, take turns.
-const TURN: Duration = Duration::from_millis(300);
-
 /// How far the picture of a client is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -378,223 +365,6 @@ impl Seat {
         let render = |error: RenderError| SaveError::Render { problem: error.to_string() };
         self.configure(place, Side::Chosen).map_err(render)?;
         place.world().layers(place.seat_camera(), &self.options()).map_err(render)
-    }
-
-    /// Renders for a while: one preview, or samples at full size until `interrupted` says so. If
-    /// not `alone`, others have their turn soon.
-    pub(crate) fn step(
-        &mut self,
-        place: &mut Place,
-        alone: bool,
-        interrupted: &dyn Fn(&Shared) -> bool,
-    ) {
-        let done = match self.phase {
-            Phase::Preview(pixels) => self.preview(place, pixels, interrupted),
-            Phase::Refine => self.refine(place, alone, interrupted),
-            Phase::Done => Ok(()),
-        };
-        if let Err(error) = done {
-            self.problem(format_args!("the picture cannot be rendered: {error}"));
-            self.phase = Phase::Done;
-        }
-    }
-
-    /// Renders a small picture of one sample a pixel.
-    fn preview(
-        &mut self,
-        place: &mut Place,
-        pixels: f64,
-        interrupted: &dyn Fn(&Shared) -> bool,
-    ) -> Result<(), RenderError> {
-        let full = self.options();
-        let whole = f64::from(full.width) * f64::from(full.height);
-        let sides = self.sides();
-        // The first one after a change is finished whatever happens, or a hand that never rests
-        // would see nothing.
-        let first = pixels <= 0.0;
-        let affordable = self.speed * PREVIEW.as_secs_f64() / sides.len() as f64;
-        let pixels = if first { affordable.max(FEWEST_PIXELS) } else { pixels };
-        let scale = (pixels / whole).sqrt().min(1.0);
-        let side = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
-        let small = Options {
-            width: side(full.width),
-            height: side(full.height),
-            samples: 1,
-            // To move a far scene takes longer than a preview.
-            recenter: false,
-            ..full
-        };
-        let start = Instant::now();
-        let mut images = Vec::new();
-        for &side in sides {
-            self.configure(place, side)?;
-            let world = place.world();
-            let mut film = Film::for_options(&small)?;
-            world.resume(&mut film, place.seat_camera(), &small, &mut |_| {
-                let stop = !first && self.is_interrupted(&world, interrupted);
-                if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })?;
-            if film.samples() == 0 {
-                return Ok(());
-            }
-            images.push((side, film.image()));
-        }
-        let taken = f64::from(small.width) * f64::from(small.height) * sides.len() as f64;
-        let speed = taken / start.elapsed().as_secs_f64().max(1e-6);
-        // Half of the last speed, so that one slow picture does not decide alone.
-        self.speed = (0.5 * (self.speed + speed)).clamp(1e3, 1e9);
-        for (side, image) in images {
-            self.publish(side, image, 1, true);
-        }
-        let next = pixels * STEP;
-        self.phase = if 2.0 * next >= whole { Phase::Refine } else { Phase::Preview(next) };
-        self.report(0, Activity::Moving);
-        Ok(())
-    }
-
-    /// Adds samples at full size, to the side that has fewer.
-    fn refine(
-        &mut self,
-        place: &mut Place,
-        alone: bool,
-        interrupted: &dyn Fn(&Shared) -> bool,
-    ) -> Result<(), RenderError> {
-        let full = self.options();
-        let sides = self.sides();
-        let samples =
-            |seat: &Self, side: Side| seat.films[side as usize].as_ref().map_or(0, Film::samples);
-        let side = sides.iter().copied().min_by_key(|&side| samples(self, side));
-        let side = side.unwrap_or(Side::Chosen);
-        let compared = sides.len() > 1;
-        // Both sides of a comparison keep step, so that they are equally noisy.
-        let doubled = (2 * samples(self, side)).clamp(1, full.samples);
-        let goal = if compared { doubled } else { full.samples };
-        let mut film = match self.films[side as usize].take() {
-            Some(film) => film,
-            None => Film::for_options(&full)?,
-        };
-        self.configure(place, side)?;
-        let world = place.world();
-        let options = Options { samples: goal, ..full.clone() };
-        let before = self.progress[side as usize];
-        let result = world.resume(&mut film, place.seat_camera(), &options, &mut |progress| {
-            self.progress[side as usize] = before.and(progress.rays, progress.elapsed);
-            let whole = progress.film.samples() > 0;
-            let over = (!alone || compared) && whole && progress.elapsed >= TURN;
-            let stop = self.is_interrupted(&world, interrupted) || over;
-            if whole && !stop && self.is_due() {
-                self.publish_film(side, progress.film);
-            }
-            self.report(progress.film.samples(), Activity::Refining);
-            if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        let now = film.samples();
-        if now >= goal && (compared || now >= full.samples) && result.is_ok() {
-            self.publish_film(side, &film);
-        }
-        self.films[side as usize] = Some(film);
-        result?;
-        if sides.iter().all(|&side| samples(self, side) >= full.samples) {
-            self.phase = Phase::Done;
-            self.told = None;
-            self.report(samples(self, Side::Chosen), Activity::Done);
-        }
-        Ok(())
-    }
-
-    /// Returns true if rendering must stop. Questions about a point are answered on the way.
-    fn is_interrupted(&self, world: &World<'_>, interrupted: &dyn Fn(&Shared) -> bool) -> bool {
-        if let Some(at) = self.shared.take_inspection() {
-            self.answer(world, at);
-        }
-        interrupted(&self.shared)
-    }
-
-    /// Returns true if a new picture of the film may be shown.
-    fn is_due(&self) -> bool {
-        self.published.is_none_or(|(when, cost)| when.elapsed() >= PUBLISH.max(cost * PUBLISH_COST))
-    }
-
-    fn publish_film(&mut self, side: Side, film: &Film) {
-        let start = Instant::now();
-        let image = film.image();
-        if side == Side::Chosen {
-            self.fireflies = film.fireflies();
-            self.estimate_noise(&image, film.samples());
-        }
-        self.publish(side, image, film.samples(), false);
-        self.published = Some((Instant::now(), start.elapsed()));
-    }
-
-    /// Estimates the noise from how much a picture has changed since it had about half the samples.
-    fn estimate_noise(&mut self, image: &Image, samples: u32) {
-        if let Some((earlier, fewer)) = &self.earlier {
-            if samples < 2 * fewer {
-                return;
-            }
-            // The mean of n samples differs from that of the first m by the error of the former
-            // times the root of n / m - 1, if samples are independent.
-            let (mut square, mut sum) = (0.0, 0.0);
-            for (now, then) in image.pixels.iter().zip(&earlier.pixels) {
-                let (now, then) = (f64::from(luminance(*now)), f64::from(luminance(*then)));
-                square += (now - then) * (now - then);
-                sum += now;
-            }
-            let count = image.pixels.len() as f64;
-            let ratio = f64::from(samples) / f64::from(*fewer) - 1.0;
-            let error = (square / count / ratio).sqrt();
-            self.noise = Some(error / (sum / count)).filter(|noise| noise.is_finite());
-        }
-        self.earlier = Some((image.clone(), samples));
-    }
-
-    fn publish(&self, side: Side, image: Image, samples: u32, preview: bool) {
-        let header = FrameHeader {
-            id: 0,
-            epoch: self.epoch,
-            side,
-            input: self.input,
-            width: image.width,
-            height: image.height,
-            samples,
-            preview,
-            media: "image/png",
-        };
-        let (image, version, settings) = (Arc::new(image), self.version, self.settings.clone());
-        self.shared.keep(Kept { image, header, version, settings });
-        self.publisher.add(&self.shared, side);
-    }
-
-    /// Shows the last pictures in the colours of other settings.
-    fn show_again(&self) {
-        for &side in self.sides() {
-            let Some(mut kept) = self.shared.kept(side) else { continue };
-            kept.header.epoch = self.epoch;
-            kept.settings = self.settings.clone();
-            self.shared.keep(kept);
-            self.publisher.add(&self.shared, side);
-        }
-    }
-
-    /// Tells how far the picture is, a few times a second.
-    fn report(&mut self, samples: u32, activity: Activity) {
-        if self.told.is_some_and(|told| told.elapsed() < PUBLISH) {
-            return;
-        }
-        self.told = Some(Instant::now());
-        let [a, b] = self.progress;
-        let Progress { rays, time } = a.and(b.rays, b.time);
-        let seconds = time.as_secs_f64();
-        self.shared.outbox.post(Event::Status(Status {
-            epoch: self.epoch,
-            activity,
-            samples,
-            wanted: self.settings.samples,
-            rays_per_second: rays as f64 / seconds.max(1e-9),
-            seconds,
-            noise: self.noise,
-            fireflies: self.fireflies,
-        }));
     }
 }
 

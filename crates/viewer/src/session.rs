@@ -1,170 +1,13 @@
 //! One client of a viewer.
 
-use crate::Settings;
 use crate::develop::{Tone, encoded};
-use crate::message::{Event, Frame, FrameHeader, Request, Side};
-use crate::outbox::Outbox;
-use crate::viewer::Bell;
-use rotund_image::Image;
-use rotund_scene::Camera;
-use rotund_trace::{Film, Layers, Options, output};
-use std::collections::VecDeque;
-use std::mem;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use crate::message::{Output, Request};
+use crate::shared::{Ask, SaveError, Shared, Snapshot};
+use crate::side::Side;
+use rotund_trace::output;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
 use std::time::Duration;
-
-/// What a viewer sends to a client.
-#[derive(Clone, Debug)]
-pub enum Output {
-    /// A message.
-    Event(Event),
-    /// A picture.
-    Frame(Frame),
-}
-
-/// A film that a client sees, with what made it.
-#[derive(Clone, Debug)]
-pub struct Snapshot {
-    /// The film.
-    pub film: Film,
-    /// The options of the render.
-    pub options: Options,
-    /// The camera.
-    pub camera: Camera,
-    /// The settings, for the methods and the overlap.
-    pub settings: Settings,
-    /// Which picture of a comparison it is.
-    pub side: Side,
-    /// Seconds that the film took.
-    pub seconds: f64,
-    /// Rays that were traced for it.
-    pub rays: u64,
-}
-
-/// A reason why a picture cannot be saved.
-#[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages describe variants and fields")]
-#[non_exhaustive]
-pub enum SaveError {
-    #[error("there is no picture yet")]
-    Nothing,
-    #[error("the picture is a preview; it can be saved once it is refined")]
-    Preview,
-    #[error("the viewer has ended")]
-    Ended,
-    #[error("{problem}")]
-    Render { problem: String },
-    #[error(transparent)]
-    Encode(#[from] rotund_image::EncodeError),
-    #[error(transparent)]
-    Layers(#[from] output::LayersError),
-}
-
-/// A question to the engine.
-#[derive(Debug)]
-pub(crate) enum Ask {
-    Request(Request),
-    Snapshots(Sender<Result<Vec<Snapshot>, SaveError>>),
-    Layers(Sender<Result<Layers, SaveError>>),
-}
-
-/// The last picture of a side.
-#[derive(Clone, Debug)]
-pub(crate) struct Kept {
-    pub(crate) image: Arc<Image>,
-    pub(crate) header: FrameHeader,
-    /// Number of the change since which the picture is of this camera and these settings.
-    pub(crate) version: u64,
-    pub(crate) settings: Settings,
-}
-
-/// What client and engine share.
-#[derive(Debug)]
-pub(crate) struct Shared {
-    pub(crate) outbox: Outbox,
-    inbox: Mutex<VecDeque<Ask>>,
-    kept: Mutex<[Option<Kept>; 2]>,
-    closed: AtomicBool,
-    bell: Arc<Bell>,
-}
-
-/// The most requests that wait; when more come, movements are dropped.
-const MOST_REQUESTS: usize = 4096;
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Shared {
-    pub(crate) fn new(bell: Arc<Bell>) -> Self {
-        Self {
-            outbox: Outbox::default(),
-            inbox: Mutex::default(),
-            kept: Mutex::default(),
-            closed: AtomicBool::new(false),
-            bell,
-        }
-    }
-
-    pub(crate) fn kept(&self, side: Side) -> Option<Kept> {
-        lock(&self.kept)[side as usize].clone()
-    }
-
-    pub(crate) fn keep(&self, kept: Kept) {
-        let side = kept.header.side as usize;
-        lock(&self.kept)[side] = Some(kept);
-    }
-
-    /// Returns true once the client has gone.
-    pub(crate) fn is_closed(&self) -> bool {
-        self.closed.load(Ordering::Relaxed)
-    }
-
-    /// Returns what waits, in order.
-    pub(crate) fn take_asks(&self) -> VecDeque<Ask> {
-        mem::take(&mut *lock(&self.inbox))
-    }
-
-    /// Returns true if something waits that cannot be answered while rendering goes on.
-    pub(crate) fn wants_attention(&self) -> bool {
-        self.is_closed() || !lock(&self.inbox).is_empty()
-    }
-
-    /// Takes out the last question about a point, if nothing but such questions and answers to
-    /// frames waits.
-    pub(crate) fn take_inspection(&self) -> Option<[f32; 2]> {
-        let mut inbox = lock(&self.inbox);
-        let mut last = None;
-        for ask in &*inbox {
-            match ask {
-                Ask::Request(Request::Inspect { at }) => last = Some(*at),
-                _ => return None,
-            }
-        }
-        inbox.clear();
-        last
-    }
-
-    /// Ends the session: nothing waits any more, and whoever waits for an answer gets none.
-    pub(crate) fn close(&self) {
-        let mut inbox = lock(&self.inbox);
-        self.closed.store(true, Ordering::Relaxed);
-        inbox.clear();
-        drop(inbox);
-        self.outbox.close();
-    }
-
-    fn ask(&self, ask: Ask) {
-        let mut inbox = lock(&self.inbox);
-        if inbox.len() < MOST_REQUESTS && !self.is_closed() {
-            inbox.push_back(ask);
-        }
-        drop(inbox);
-        self.bell.ring();
-    }
-}
 
 /// A client of a viewer, with its own camera and settings. Dropping it ends its work.
 #[derive(Debug)]
@@ -241,7 +84,6 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        self.shared.close();
-        self.shared.bell.ring();
+        self.shared.leave();
     }
 }

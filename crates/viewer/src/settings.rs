@@ -1,9 +1,12 @@
 //! What a client sets: methods, the quantity that is shown, samples, and how light becomes colours.
 
-use crate::message::Side;
+use crate::side::Side;
 use rotund_scene::{ElementKind, Method};
 use rotund_trace::{Options, RenderError, Sequence, UnknownView, View};
 use serde::{Deserialize, Serialize};
+
+/// Longest side of a picture in pixels; larger ones are reduced to it.
+pub const LONGEST_SIDE: u32 = 3840;
 
 /// Whether overlapping points and lines are one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -1,85 +1,19 @@
 //! The viewer: a scene, and threads that load it and render it for all clients in turn.
 
+use crate::board::Board;
+use crate::content::Content;
 use crate::engine::Engine;
 use crate::place::Place;
-use crate::session::{Session, Shared};
+use crate::session::Session;
+use crate::shared::Shared;
 use crate::watch::Watch;
-use rotund_scene::Scene;
 use std::path::PathBuf;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::thread;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 /// Time between two looks at the files of the scene.
 const LOOK: Duration = Duration::from_millis(300);
-
-/// A loaded scene.
-#[derive(Debug)]
-pub struct Content {
-    /// Name of the scene.
-    pub name: String,
-    /// The scene, which has at least one camera.
-    pub scene: Scene,
-    /// Warnings of the loader.
-    pub warnings: Vec<String>,
-    /// Files that the scene was read from, which are watched for changes.
-    pub files: Vec<PathBuf>,
-}
-
-/// What clients, loader and engine tell each other.
-#[derive(Debug, Default)]
-pub(crate) struct Bell {
-    board: Mutex<Board>,
-    rung: Condvar,
-}
-
-/// What is new for the engine.
-#[derive(Debug, Default)]
-pub(crate) struct Board {
-    /// Something is new.
-    pub(crate) rung: bool,
-    /// The viewer ends.
-    pub(crate) ended: bool,
-    /// A client has come.
-    pub(crate) arrived: Vec<Arc<Shared>>,
-    /// What is being loaded, since when.
-    pub(crate) loading: Option<(&'static str, Instant)>,
-    /// The end of loading.
-    pub(crate) loaded: Option<Result<Box<Place>, String>>,
-    /// The result of the first loading, for [`Viewer::loaded`].
-    first: Option<Result<(), String>>,
-}
-
-impl Bell {
-    pub(crate) fn lock(&self) -> MutexGuard<'_, Board> {
-        self.board.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Tells the engine that something is new.
-    pub(crate) fn ring(&self) {
-        self.lock().rung = true;
-        self.rung.notify_all();
-    }
-
-    /// Waits until something is new, at most this long if there is a limit.
-    pub(crate) fn wait(&self, limit: Option<Duration>) {
-        let board = self.lock();
-        let quiet = |board: &mut Board| !board.rung && !board.ended;
-        let mut board = match limit {
-            None => self.rung.wait_while(board, quiet).unwrap_or_else(PoisonError::into_inner),
-            Some(limit) => {
-                let wait = self.rung.wait_timeout_while(board, limit, quiet);
-                wait.unwrap_or_else(PoisonError::into_inner).0
-            }
-        };
-        board.rung = false;
-    }
-
-    fn set_loading(&self, what: Option<&'static str>) {
-        self.lock().loading = what.map(|what| (what, Instant::now()));
-        self.ring();
-    }
-}
 
 /// A viewer of a scene. Dropping it ends its threads and all its clients.
 ///
@@ -108,7 +42,7 @@ impl Bell {
 /// ```
 #[derive(Debug)]
 pub struct Viewer {
-    bell: Arc<Bell>,
+    board: Arc<Board>,
 }
 
 impl Viewer {
@@ -129,13 +63,13 @@ impl Viewer {
         files: Vec<PathBuf>,
         load: impl FnMut() -> Result<Content, String> + Send + 'static,
     ) -> Self {
-        let bell = Arc::new(Bell::default());
-        bell.set_loading(Some("reading the scene"));
-        let engine = Engine::new(Arc::clone(&bell));
+        let board = Arc::new(Board::default());
+        board.set_loading("reading the scene");
+        let engine = Engine::new(Arc::clone(&board));
         thread::spawn(move || engine.run());
-        let own = Arc::clone(&bell);
+        let own = Arc::clone(&board);
         thread::spawn(move || load_and_watch(&own, files, load));
-        Self { bell }
+        Self { board }
     }
 
     /// Waits until the scene has been loaded for the first time, or could not be.
@@ -144,33 +78,28 @@ impl Viewer {
     ///
     /// The error of the loader, or that of a scene that is not valid.
     pub fn loaded(&self) -> Result<(), String> {
-        let board = self.bell.lock();
-        let waits = |board: &mut Board| board.first.is_none() && !board.ended;
-        let board = self.bell.rung.wait_while(board, waits);
-        let board = board.unwrap_or_else(PoisonError::into_inner);
-        board.first.clone().unwrap_or_else(|| Err("the viewer has ended".to_owned()))
+        self.board.first()
     }
 
     /// Adds a client. It gets pictures once it has said how large they should be.
     #[must_use]
     pub fn connect(&self) -> Session {
-        let shared = Arc::new(Shared::new(Arc::clone(&self.bell)));
-        self.bell.lock().arrived.push(Arc::clone(&shared));
-        self.bell.ring();
+        let shared = Arc::new(Shared::new(Arc::clone(&self.board.bell)));
+        self.board.news().arrived.push(Arc::clone(&shared));
+        self.board.bell.ring();
         Session::new(shared)
     }
 }
 
 impl Drop for Viewer {
     fn drop(&mut self) {
-        self.bell.lock().ended = true;
-        self.bell.ring();
+        self.board.end();
     }
 }
 
 /// Loads the scene, and again after changes of its files, until the viewer ends.
 fn load_and_watch(
-    bell: &Bell,
+    board: &Board,
     files: Vec<PathBuf>,
     mut load: impl FnMut() -> Result<Content, String>,
 ) {
@@ -179,23 +108,17 @@ fn load_and_watch(
         let start = SystemTime::now();
         let result = load().and_then(|content| {
             watch = Watch::new(content.files.clone(), start);
-            bell.set_loading(Some("building the trees"));
+            board.set_loading("building the trees");
             Place::new(content).map(Box::new).map_err(|error| error.to_string())
         });
-        let told = result.as_ref().map(drop).map_err(String::clone);
-        let mut board = bell.lock();
-        board.loading = None;
-        board.first.get_or_insert(told);
-        board.loaded = Some(result);
-        drop(board);
-        bell.ring();
+        board.set_loaded(result);
         while !watch.has_settled_change() {
-            if bell.lock().ended {
+            if board.news().ended {
                 return;
             }
             thread::sleep(LOOK);
         }
         watch.accept();
-        bell.set_loading(Some("reading the scene again"));
+        board.set_loading("reading the scene again");
     }
 }
