@@ -56,6 +56,7 @@ fn measure(
     }
     sleep(Duration::from_millis(500));
     let page = chromium.open(&viewer.url)?;
+    page.resize(1366, 768, 1.0)?;
     page.wait("a picture", "rotundStatistics.firstPicture !== null")?;
     let first = page.number("rotundStatistics.firstPicture")?;
     sleep(Duration::from_secs(1));
