@@ -33,6 +33,9 @@ struct Args {
     /// Only the checks, without measurements: what every change must pass.
     #[arg(long)]
     short: bool,
+    /// Only the measurements.
+    #[arg(long, conflicts_with = "short")]
+    measure: bool,
     /// Only the checks whose names contain this text.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
@@ -73,6 +76,9 @@ fn main() -> ExitCode {
 fn run(args: &Args, browser: &Path) -> Result<()> {
     let program = std::path::absolute(args.program.clone().map_or_else(build, Ok)?)?;
     let chromium = Chromium::start(browser)?;
+    if args.measure {
+        return measure::run(&program, &chromium, args.minutes);
+    }
     let mut failures = Vec::new();
     let chosen = checks::ALL.iter().filter(|(name, _)| name.contains(&args.only));
     for (name, check) in chosen {

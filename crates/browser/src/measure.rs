@@ -26,10 +26,11 @@ pub(crate) fn run(program: &Path, chromium: &Chromium, minutes: f64) -> Result<(
     let folder = tempfile::tempdir()?;
     let spheres = spheres::write(folder.path(), SPHERES)?;
     let mut table = Table::new(&[
-        "milliseconds, by the page",
+        "milliseconds",
+        "page",
         "first",
         "previews/s",
-        "input median",
+        "input",
         "95 %",
         "box",
         "idle %",
@@ -56,8 +57,10 @@ fn measure(
     }
     sleep(Duration::from_millis(500));
     let page = chromium.open(&viewer.url)?;
+    page.resize(1366, 768, 1.0)?;
     page.wait("a picture", "rotundStatistics.firstPicture !== null")?;
-    let first = page.number("rotundStatistics.firstPicture")?;
+    let asked = page.number("rotundStatistics.asked")?;
+    let first = page.number("rotundStatistics.firstPicture")? - asked;
     sleep(Duration::from_secs(1));
     drag(&page, DRAG)?;
     sleep(Duration::from_millis(500));
@@ -84,6 +87,7 @@ fn measure(
     let name = if name == "spheres" { format!("{SPHERES} spheres") } else { name };
     Ok(vec![
         name,
+        format!("{asked:.0}"),
         format!("{first:.0}"),
         format!("{rate:.1}"),
         format!("{:.0}", quantile(&mut inputs, 0.5)),

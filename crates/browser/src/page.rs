@@ -38,7 +38,7 @@ impl Page {
         page.call("Emulation.setFocusEmulationEnabled", json!({ "enabled": true }))?;
         let source = json!({ "source": HELPERS });
         page.call("Page.addScriptToEvaluateOnNewDocument", source)?;
-        page.resize(1000, 640, 1.0)?;
+        page.resize(860, 480, 1.0)?;
         page.call("Page.navigate", json!({ "url": url }))?;
         Ok(page)
     }
@@ -87,9 +87,9 @@ impl Page {
         }
     }
 
-    /// Waits until all samples are there and drawn.
+    /// Waits until all samples are there and drawn; a busy machine takes its time.
     pub(crate) fn wait_done(&self) -> Result<()> {
-        self.wait_for("all samples", "isDone()", Duration::from_secs(120))
+        self.wait_for("all samples", "isDone()", Duration::from_secs(300))
     }
 
     /// Sets the size of the window in units of CSS.

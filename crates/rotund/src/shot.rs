@@ -31,8 +31,8 @@ fn parse_clamp(text: &str) -> Result<f32, String> {
 /// Options of one render.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ShotArgs {
-    /// Name of the camera, or a camera as JSON, like an entry of `cameras` in a scene file. Default:
-    /// the first one of the scene.
+    /// Name of the camera, or a camera as JSON, like an entry of `cameras` in a scene file.
+    /// Default: the first one of the scene.
     #[arg(long)]
     pub(crate) camera: Option<String>,
     /// Samples per pixel.

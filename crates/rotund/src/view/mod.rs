@@ -11,7 +11,7 @@ use anyhow::{Result, bail};
 use guard::Guard;
 use rotund_report::console::say;
 use rotund_viewer::{Content, Viewer};
-use server::{Server, Sessions};
+use shared::{Server, Sessions};
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::io::ErrorKind;
@@ -25,6 +25,7 @@ mod command;
 mod guard;
 mod save;
 mod server;
+mod shared;
 mod socket;
 
 const EXAMPLES: &str = "\

@@ -1,7 +1,7 @@
 //! Files to keep of what a page shows: pictures, a report, and the command line of a long render.
 
 use super::command;
-use super::server::{Server, plain};
+use super::shared::{Server, plain};
 use crate::compare;
 use crate::message::{on_one_line, one_line};
 use crate::shot::Shot;

@@ -1,69 +1,21 @@
 //! The server: the page, its sockets, and files to keep.
 
 use super::guard::{Guard, HEADERS, Refusal};
+use super::shared::{Server, plain};
 use super::{assets, save, socket};
 use anyhow::{Context as _, Result};
 use axum::Router;
-use axum::body::Body;
 use axum::extract::{FromRequestParts as _, Request, State, WebSocketUpgrade};
-use axum::http::{HeaderValue, Method, StatusCode, header};
+use axum::http::{Method, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 use axum::serve::ListenerExt as _;
 use rotund_trace::View;
-use rotund_viewer::{Session, Viewer};
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::net::TcpListener;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-/// Pages that are open at once.
-const MOST_SESSIONS: usize = 16;
 /// Threads that encode files to keep; more requests wait.
 const SAVING_THREADS: usize = 2;
-
-/// What all requests share.
-#[derive(Debug)]
-pub(super) struct Server {
-    pub(super) guard: Guard,
-    pub(super) viewer: Viewer,
-    /// Name of the scene.
-    pub(super) scene: String,
-    /// The command line of a render of the same scene, without camera and settings.
-    pub(super) render: String,
-    pub(super) sessions: Sessions,
-}
-
-/// The open sockets by their numbers, which never come again.
-#[derive(Debug, Default)]
-pub(super) struct Sessions(Mutex<(u64, BTreeMap<u64, Arc<Session>>)>);
-
-impl Sessions {
-    fn with<T>(&self, work: impl FnOnce(&mut (u64, BTreeMap<u64, Arc<Session>>)) -> T) -> T {
-        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Adds a session, unless there are too many.
-    fn add(&self, viewer: &Viewer) -> Option<(u64, Arc<Session>)> {
-        self.with(|(last, open)| {
-            if open.len() >= MOST_SESSIONS {
-                return None;
-            }
-            *last += 1;
-            let session = Arc::new(viewer.connect());
-            open.insert(*last, Arc::clone(&session));
-            Some((*last, session))
-        })
-    }
-
-    fn remove(&self, number: u64) {
-        let session = self.with(|(_, open)| open.remove(&number));
-        drop(session);
-    }
-
-    pub(super) fn find(&self, number: u64) -> Option<Arc<Session>> {
-        self.with(|(_, open)| open.get(&number).cloned())
-    }
-}
 
 /// Answers requests until the program ends.
 pub(super) fn run(listener: TcpListener, server: Server) -> Result<()> {
@@ -148,9 +100,4 @@ fn greeting(session: u64) -> String {
 
 fn refuse(refusal: Refusal) -> Response {
     plain(Refusal::STATUS, refusal.sentence())
-}
-
-pub(super) fn plain(status: StatusCode, sentence: impl Into<Body>) -> Response {
-    let media = HeaderValue::from_static("text/plain; charset=utf-8");
-    (status, [(header::CONTENT_TYPE, media)], sentence.into()).into_response()
 }

@@ -42,6 +42,7 @@ if (wanted.size) panel.size = wanted.size;
 
 const connection = new Connection({
   open() {
+    statistics.asked ??= performance.now();
     clearNotice("connection");
     picture.reset();
     askForSize();

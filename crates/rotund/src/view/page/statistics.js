@@ -1,7 +1,8 @@
 // What the page shows, and times that it measures of itself, in milliseconds. Tests read them.
 
 export const statistics = {
-  // From the start of the navigation to the first picture on the screen.
+  // From the start of the navigation to the first request, and to the first picture on the screen.
+  asked: null,
   firstPicture: null,
   // From an input event to the screen, by the number of the input.
   inputs: {},
