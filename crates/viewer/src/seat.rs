@@ -98,8 +98,8 @@ impl Seat {
         }
     }
 
-    /// Returns the moment from which on there is something to do, `now` or later; `None` if there is
-    /// nothing.
+    /// Returns the moment from which on there is something to do, not before `now`; `None` if there
+    /// is nothing.
     pub(crate) fn ready_at(&self, now: Instant) -> Option<Instant> {
         if self.rig.is_none() || self.asked.0 == 0 || self.phase == Phase::Done {
             return None;
