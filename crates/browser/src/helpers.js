@@ -80,5 +80,8 @@ function notices() {
 }
 
 function summary() {
-  return [find("activity")?.textContent, find("samples")?.textContent, notices()].join("; ");
+  const { id, tagName } = document.activeElement;
+  const focus = `the focus is on ${id || tagName}`;
+  const parts = [find("activity")?.textContent, find("samples")?.textContent, notices(), focus];
+  return parts.join("; ");
 }

@@ -79,6 +79,8 @@ export class Panel {
     element("cameras").value = index >= 0 ? index : "";
     this.#showWarnings(state.warnings);
     this.#showCamera(state.camera);
+    // A control that was changed in this frame has not been read yet.
+    if (this.#frame) return;
     const isEcho = JSON.stringify(state.settings) === JSON.stringify(this.#settings);
     if (isEcho || performance.now() - this.#sentAt > ECHO) this.#showSettings(state.settings);
     else setTimeout(() => this.#state === state && this.#showSettings(state.settings), ECHO);
