@@ -55,7 +55,8 @@ pub enum Request {
         /// All settings.
         settings: Settings,
     },
-    /// Asks what is at a point of the picture; [`Event::Inspection`] answers.
+    /// Asks what is at a point of the picture; [`Event::Inspection`] answers the last such request,
+    /// with nothing while there is no scene.
     Inspect {
         /// A point of the picture.
         at: [f32; 2],

@@ -1,7 +1,7 @@
 //! The engine's side of one client: camera, settings, and the pictures in progress.
 
 use crate::inspect::{inspect, ray};
-use crate::message::{CameraText, Event, Motion, Request, State};
+use crate::message::{CameraText, Event, Inspection, Motion, Request, State};
 use crate::place::Place;
 use crate::publisher::Publisher;
 use crate::rig::Rig;
@@ -222,6 +222,11 @@ impl Seat {
                 if self.configure(place, Side::Chosen).is_ok() {
                     self.answer(&place.world(), at);
                 }
+            }
+            (Request::Inspect { at }, None) => {
+                // Whoever asks waits for an answer.
+                let nothing = Inspection { at, pixel: [0, 0], value: None, hit: None };
+                self.shared.outbox.post(Event::Inspection(Box::new(nothing)));
             }
             (request, Some(place)) => self.steer(request, place),
             (_, None) => {}

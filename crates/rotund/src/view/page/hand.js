@@ -253,8 +253,9 @@ export class Hand {
   }
 }
 
-/** Returns true if an element needs the keys itself. */
+/** Returns true if an element needs the keys itself. One in a dialog that has just closed may still
+    have the focus. */
 export function takesKeys(target) {
-  const own = "input:not([type=checkbox]), select, textarea, dialog, [role=slider], #pin";
+  const own = "input:not([type=checkbox]), select, textarea, dialog[open], [role=slider], #pin";
   return target instanceof Element && target.closest(own) !== null;
 }
