@@ -7,6 +7,7 @@ use crate::side::Side;
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
+use std::time::Instant;
 
 /// Pictures that wait to be encoded: at most one of each side of a client.
 #[derive(Debug, Default)]
@@ -70,11 +71,15 @@ impl Publisher {
 /// Encodes the last picture of a side, and puts it into the outbox.
 fn publish(shared: &Shared, side: Side) {
     let Some(kept) = shared.kept(side) else { return };
+    let start = Instant::now();
     let mut header = kept.header;
     let image = Tone::of(&kept.settings).apply((*kept.image).clone());
     match encoded(&image, !header.preview) {
         Ok((bytes, media)) => {
             header.media = media;
+            if !header.preview {
+                shared.set_encoding(start.elapsed());
+            }
             shared.outbox.post_frame(header, bytes);
         }
         Err(error) => {

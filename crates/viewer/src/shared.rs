@@ -10,9 +10,10 @@ use rotund_scene::Camera;
 use rotund_trace::{Film, Layers, Options, output};
 use std::collections::VecDeque;
 use std::mem;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// A film that a client sees, with what made it.
 #[derive(Clone, Debug)]
@@ -77,6 +78,8 @@ pub(crate) struct Shared {
     inbox: Mutex<VecDeque<Ask>>,
     kept: Mutex<[Option<Kept>; 2]>,
     closed: AtomicBool,
+    /// Microseconds that the last picture took to be encoded.
+    encoding: AtomicU64,
     bell: Arc<Bell>,
 }
 
@@ -94,6 +97,7 @@ impl Shared {
             inbox: Mutex::default(),
             kept: Mutex::default(),
             closed: AtomicBool::new(false),
+            encoding: AtomicU64::new(0),
             bell,
         }
     }
@@ -105,6 +109,15 @@ impl Shared {
     pub(crate) fn keep(&self, kept: Kept) {
         let side = kept.header.side as usize;
         lock(&self.kept)[side] = Some(kept);
+    }
+
+    /// Returns how long it took to encode the last picture.
+    pub(crate) fn encoding(&self) -> Duration {
+        Duration::from_micros(self.encoding.load(Ordering::Relaxed))
+    }
+
+    pub(crate) fn set_encoding(&self, time: Duration) {
+        self.encoding.store(time.as_micros() as u64, Ordering::Relaxed);
     }
 
     /// Returns true once the client has gone.

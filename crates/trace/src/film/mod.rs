@@ -14,6 +14,7 @@ pub(crate) use pixel::{PixelSum, Sum};
 
 use crate::{FilmError, Options, RenderError, Shard};
 use glam::Vec3;
+use rayon::prelude::*;
 use rotund_image::Image;
 
 /// The sums of the samples of each pixel, and statistics of the samples.
@@ -194,7 +195,7 @@ impl Film {
         Image {
             width: self.header.width,
             height: self.header.height,
-            pixels: self.pixels.iter().map(PixelSum::mean).collect(),
+            pixels: self.pixels.par_iter().map(PixelSum::mean).collect(),
         }
     }
 
@@ -217,7 +218,6 @@ impl Film {
 
     /// Computes the minimum number of samples, and how many pixels have it.
     fn count_samples(&mut self) {
-        use rayon::prelude::*;
         let least = |a: (u32, usize), b: (u32, usize)| match a.0.cmp(&b.0) {
             std::cmp::Ordering::Less => a,
             std::cmp::Ordering::Equal => (a.0, a.1 + b.1),

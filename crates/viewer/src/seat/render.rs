@@ -19,8 +19,9 @@ const FEWEST_PIXELS: f64 = 48.0 * 32.0;
 const STEP: f64 = 4.0;
 /// Least time between two pictures of a refinement.
 const PUBLISH: Duration = Duration::from_millis(200);
-/// Time between two pictures, in times that it takes to make one from the film.
-const PUBLISH_COST: u32 = 20;
+/// Time between two pictures, in times that it takes to make one from the film and to encode it:
+/// samples must not wait for pictures.
+const PUBLISH_COST: u32 = 16;
 /// Time of a slice if both sides of a comparison, or several clients, take turns.
 const TURN: Duration = Duration::from_millis(300);
 
@@ -157,7 +158,10 @@ impl Seat {
 
     /// Returns true if a new picture of the film may be shown.
     fn is_due(&self) -> bool {
-        self.published.is_none_or(|(when, cost)| when.elapsed() >= PUBLISH.max(cost * PUBLISH_COST))
+        self.published.is_none_or(|(when, cost)| {
+            let pause = (cost + self.shared.encoding()) * PUBLISH_COST;
+            when.elapsed() >= PUBLISH.max(pause)
+        })
     }
 
     fn publish_film(&mut self, side: Side, film: &Film) {
