@@ -1,6 +1,6 @@
 //! Rendering for one client: previews, samples at full size, and what it is told of them.
 
-use super::{Phase, Progress, Seat};
+use super::{Phase, Seat};
 use crate::message::{Activity, Event, FrameHeader, Status};
 use crate::place::Place;
 use crate::shared::{Kept, Shared};
@@ -19,7 +19,14 @@ const FEWEST_PIXELS: f64 = 48.0 * 32.0;
 const STEP: f64 = 4.0;
 /// Least time between two pictures of a refinement.
 const PUBLISH: Duration = Duration::from_millis(200);
-/// Time between two pictures, in times that it takes to make one from the film and to encode it:
+/// Pictures come the more rarely the longer they are refined, since each changes less: this part of
+/// the time goes by between two of them.
+const RARER: u32 = 4;
+/// Longest time between two pictures that take less than a sixteenth of it.
+const RAREST: Duration = Duration::from_secs(4);
+/// Longest time between two reports.
+const REPORT: Duration = Duration::from_millis(1000);
+/// Least time between two pictures, in times that it takes to make one from the film and to encode it:
 /// samples must not wait for pictures.
 const PUBLISH_COST: u32 = 16;
 /// Time of a slice if both sides of a comparison, or several clients, take turns.
@@ -160,8 +167,14 @@ impl Seat {
     fn is_due(&self) -> bool {
         self.published.is_none_or(|(when, cost)| {
             let pause = (cost + self.shared.encoding()) * PUBLISH_COST;
-            when.elapsed() >= PUBLISH.max(pause)
+            let rarer = (self.progress_time() / RARER).min(RAREST);
+            when.elapsed() >= PUBLISH.max(pause).max(rarer)
         })
+    }
+
+    /// Returns how long the films have been refined.
+    fn progress_time(&self) -> Duration {
+        self.progress.iter().map(|progress| progress.time).sum()
     }
 
     fn publish_film(&mut self, side: Side, film: &Film) {
@@ -227,13 +240,13 @@ impl Seat {
 
     /// Tells how far the picture is, a few times a second.
     fn report(&mut self, samples: u32, activity: Activity) {
-        if self.told.is_some_and(|told| told.elapsed() < PUBLISH) {
+        let pause = PUBLISH.max(self.progress_time() / RARER).min(REPORT);
+        if self.told.is_some_and(|told| told.elapsed() < pause) {
             return;
         }
         self.told = Some(Instant::now());
-        let [a, b] = self.progress;
-        let Progress { rays, time } = a.and(b.rays, b.time);
-        let seconds = time.as_secs_f64();
+        let rays: u64 = self.progress.iter().map(|progress| progress.rays).sum();
+        let seconds = self.progress_time().as_secs_f64();
         self.shared.outbox.post(Event::Status(Status {
             epoch: self.epoch,
             activity,
