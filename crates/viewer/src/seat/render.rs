@@ -26,8 +26,8 @@ const RARER: u32 = 4;
 const RAREST: Duration = Duration::from_secs(4);
 /// Longest time between two reports.
 const REPORT: Duration = Duration::from_millis(1000);
-/// Least time between two pictures, in times that it takes to make one from the film and to encode it:
-/// samples must not wait for pictures.
+/// Least time between two pictures, in times that it takes to make one from the film and to encode
+/// it: samples must not wait for pictures.
 const PUBLISH_COST: u32 = 16;
 /// Time of a slice if both sides of a comparison, or several clients, take turns.
 const TURN: Duration = Duration::from_millis(300);
