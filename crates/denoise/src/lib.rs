@@ -58,7 +58,7 @@ pub struct Guides {
 /// The loaded library.
 #[derive(Debug)]
 pub struct Denoiser {
-    library: Library,
+    oidn: Library,
 }
 
 impl Denoiser {
@@ -84,13 +84,13 @@ impl Denoiser {
     ///
     /// If there is none, or it is not Open Image Denoise 2.
     pub fn open(name: &OsStr) -> Result<Self, DenoiseError> {
-        Ok(Self { library: Library::open(name)? })
+        Ok(Self { oidn: Library::open(name)? })
     }
 
     /// Returns the version of the library, such as `2.5.1`.
     #[must_use]
     pub fn version(&self) -> String {
-        let version = self.library.version();
+        let version = self.oidn.version();
         format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
     }
 
@@ -124,7 +124,7 @@ impl Denoiser {
             if guide.is_empty() {
                 Ok(Vec::new())
             } else {
-                self.library.run(size, &[(name, guide)], &[])
+                self.oidn.run(size, &[(name, guide)], &[])
             }
         };
         let albedo = clean(c"albedo", &guides.albedo)?;
@@ -139,7 +139,7 @@ impl Denoiser {
         }
         let has_guides = inputs.len() > 1;
         let flags = [(c"hdr", true), (c"cleanAux", has_guides)];
-        let clean = self.library.run(size, &inputs, &flags)?;
+        let clean = self.oidn.run(size, &inputs, &flags)?;
         let joined = clean.iter().zip(pixels).map(|(&[r, g, b], &[_, _, _, a])| [r, g, b, a]);
         Ok(Image { width, height, pixels: joined.collect() })
     }
