@@ -69,7 +69,8 @@ impl Isa {
     #[inline(always)]
     pub(crate) fn run<T: WithSimd>(self, task: T) -> T::Output {
         match self.0 {
-            Kind::Portable => Portable.run(task),
+            // Outlined, so that its stack is not reserved for the other sets.
+            Kind::Portable => Portable.run_outlined(task),
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2(isa) => isa.run(task),
             #[cfg(target_arch = "x86_64")]

@@ -135,6 +135,12 @@ impl Mask {
         Self(lanes::xor(self.0, other.0))
     }
 
+    /// Returns the first lane in both lanes.
+    #[inline(always)]
+    pub(crate) fn first_in_both(self) -> Self {
+        Self(lanes::firsts(self.0, self.0))
+    }
+
     /// Returns the mask as bit 0 for the first lane and bit 1 for the second.
     #[inline(always)]
     pub(crate) fn bits(self) -> u32 {

@@ -92,8 +92,16 @@ pub(crate) fn off_sphere(radius: f64, normal: DVec3) -> f64 {
 /// roundings of the largest coordinates.
 #[inline(always)]
 pub(crate) fn off_hull<const N: usize>(corners: [Vec3; N], roundings: f64) -> f64 {
-    let largest = corners.iter().fold(Vec3::ZERO, |sum, p| sum.max(p.abs()));
-    roundings * F64_ROUNDOFF * f64::from(largest.x + largest.y + largest.z)
+    // The bits of non-negative numbers have the order of the numbers, and the maximum of integers
+    // needs no branch, which would be unpredictable here.
+    let mut largest = [0; 3];
+    for p in &corners {
+        for (largest, x) in largest.iter_mut().zip(p.to_array()) {
+            *largest = x.abs().to_bits().max(*largest);
+        }
+    }
+    let [x, y, z] = largest.map(f32::from_bits);
+    roundings * F64_ROUNDOFF * f64::from(x + y + z)
 }
 
 /// Rounds each coordinate to `f32`, once.

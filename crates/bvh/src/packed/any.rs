@@ -32,10 +32,10 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAny<'_, P, M> {
     fn run<S: Simd>(self, simd: S) -> bool {
         let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else { return false };
         let limit = slab_ray.limit(self.ray.t_max);
-        let mut visitor = AnyVisitor::<S, P, M> {
+        let mut visitor = AnyVisitor::<P, M> {
             packed: self.packed,
             ray: self.ray,
-            lanes: P::lanes(simd, &slab_ray),
+            leaf_ray: P::leaf_ray(&slab_ray),
             limit,
             method: PhantomData,
         };
@@ -44,27 +44,50 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAny<'_, P, M> {
 }
 
 /// Tests leaves until there is a hit.
-struct AnyVisitor<'a, S: Simd, P: Kernel, M> {
+struct AnyVisitor<'a, P: Kernel, M> {
     packed: &'a Packed<P>,
     ray: &'a Ray,
-    lanes: P::Lanes<S>,
+    leaf_ray: P::LeafRay,
     limit: f32,
     method: PhantomData<M>,
 }
 
-impl<S: Simd, P: Kernel, M: MethodTag> traverse::LeafVisitor<S> for AnyVisitor<'_, S, P, M> {
+impl<S: Simd, P: Kernel, M: MethodTag> traverse::LeafVisitor<S> for AnyVisitor<'_, P, M> {
     #[inline(always)]
     fn prefetch(&self, simd: S, index: usize) {
         simd.prefetch(&self.packed.blocks[index]);
     }
 }
 
-impl<S: Simd, P: Kernel, M: MethodTag> traverse::AnyVisitor<S> for AnyVisitor<'_, S, P, M> {
+impl<S: Simd, P: Kernel, M: MethodTag> traverse::AnyVisitor<S> for AnyVisitor<'_, P, M> {
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize) -> bool {
+        let task = TestLeaf { visitor: self, index };
+        if P::OUTLINE_LEAF { simd.run_outlined(task) } else { task.run(simd) }
+    }
+}
+
+struct TestLeaf<'a, V> {
+    visitor: &'a V,
+    index: usize,
+}
+
+impl<P: Kernel, M: MethodTag> WithSimd for TestLeaf<'_, AnyVisitor<'_, P, M>> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        self.visitor.test(simd, self.index)
+    }
+}
+
+impl<P: Kernel, M: MethodTag> AnyVisitor<'_, P, M> {
+    /// Returns whether the ray hits a primitive of a leaf.
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, index: usize) -> bool {
         let block = &self.packed.blocks[index];
         let Candidates { possible: mut mask, certain, .. } =
-            P::candidates::<S, M>(simd, &self.lanes, block, self.limit);
+            P::candidates::<S, M>(simd, &self.leaf_ray, block, self.limit);
         if certain != 0 {
             // Even in an unused lane, which repeats the first one.
             return true;

@@ -32,7 +32,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let slab_ray = SlabRay::new(self.ray, self.packed.tree.range)?;
-        let mut visitor = ClosestVisitor::<S, P, M>::new(simd, self.packed, self.ray, &slab_ray);
+        let mut visitor = ClosestVisitor::<P, M>::new(self.packed, self.ray, &slab_ray);
         let limit = slab_ray.limit(self.ray.t_max);
         traverse::closest(simd, &self.packed.tree, &slab_ray, limit, &mut visitor);
         let best = visitor.best;
@@ -47,11 +47,11 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
 }
 
 /// Tests leaves for a hit closer than the best so far.
-pub(crate) struct ClosestVisitor<'a, S: Simd, P: Kernel, M> {
+pub(crate) struct ClosestVisitor<'a, P: Kernel, M> {
     pub(crate) packed: &'a Packed<P>,
     ray: &'a Ray,
     slab_ray: &'a SlabRay,
-    lanes: P::Lanes<S>,
+    leaf_ray: P::LeafRay,
     best: Best,
     method: PhantomData<M>,
 }
@@ -76,17 +76,17 @@ impl Best {
         Self { id: NO_ID, block: 0, lane: 0, t: Some(f32::INFINITY), near: f32::INFINITY };
 }
 
-impl<'a, S: Simd, P: Kernel, M: MethodTag> ClosestVisitor<'a, S, P, M> {
+impl<'a, P: Kernel, M: MethodTag> ClosestVisitor<'a, P, M> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, packed: &'a Packed<P>, ray: &'a Ray, slab_ray: &'a SlabRay) -> Self {
-        let lanes = P::lanes(simd, slab_ray);
-        Self { packed, ray, slab_ray, lanes, best: Best::NONE, method: PhantomData }
+    pub(crate) fn new(packed: &'a Packed<P>, ray: &'a Ray, slab_ray: &'a SlabRay) -> Self {
+        let leaf_ray = P::leaf_ray(slab_ray);
+        Self { packed, ray, slab_ray, leaf_ray, best: Best::NONE, method: PhantomData }
     }
 
     /// The exact `t` of a primitive, in the whole interval of the ray and not the shrunken one, so
     /// that the caller can break ties.
     #[inline(always)]
-    fn exact(&self, simd: S, block: usize, lane: usize) -> Option<f32> {
+    fn exact<S: Simd>(&self, simd: S, block: usize, lane: usize) -> Option<f32> {
         exact_t::<S, P, M>(simd, &self.packed.blocks[block], lane, self.ray)
     }
 
@@ -98,19 +98,43 @@ impl<'a, S: Simd, P: Kernel, M: MethodTag> ClosestVisitor<'a, S, P, M> {
     }
 }
 
-impl<S: Simd, P: Kernel, M: MethodTag> traverse::LeafVisitor<S> for ClosestVisitor<'_, S, P, M> {
+impl<S: Simd, P: Kernel, M: MethodTag> traverse::LeafVisitor<S> for ClosestVisitor<'_, P, M> {
     #[inline(always)]
     fn prefetch(&self, simd: S, index: usize) {
         simd.prefetch(&self.packed.blocks[index]);
     }
 }
 
-impl<S: Simd, P: Kernel, M: MethodTag> traverse::ClosestVisitor<S> for ClosestVisitor<'_, S, P, M> {
+impl<S: Simd, P: Kernel, M: MethodTag> traverse::ClosestVisitor<S> for ClosestVisitor<'_, P, M> {
     #[inline(always)]
-    fn leaf(&mut self, simd: S, index: usize, mut limit: f32) -> f32 {
+    fn leaf(&mut self, simd: S, index: usize, limit: f32) -> f32 {
+        let task = TestLeaf { visitor: self, index, limit };
+        if P::OUTLINE_LEAF { simd.run_outlined(task) } else { task.run(simd) }
+    }
+}
+
+struct TestLeaf<'a, V> {
+    visitor: &'a mut V,
+    index: usize,
+    limit: f32,
+}
+
+impl<P: Kernel, M: MethodTag> WithSimd for TestLeaf<'_, ClosestVisitor<'_, P, M>> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> f32 {
+        self.visitor.test(simd, self.index, self.limit)
+    }
+}
+
+impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
+    /// Tests the primitives of a leaf, and returns the new limit.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, index: usize, mut limit: f32) -> f32 {
         let block = &self.packed.blocks[index];
         let Candidates { possible: mut mask, certain, near, far } =
-            P::candidates::<S, M>(simd, &self.lanes, block, limit);
+            P::candidates::<S, M>(simd, &self.leaf_ray, block, limit);
         if mask == 0 {
             return limit;
         }

@@ -18,7 +18,7 @@
 
 use super::kernel::{Block, Candidates, Kernel, both_ends, step};
 use super::method_tag::MethodTag;
-use super::round::RoundLanes;
+use super::round::RoundRay;
 use super::vec3::{self, dot, neg_mul_add, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -29,7 +29,8 @@ impl Kernel for RoundedCone {
     type Vanilla = vanilla::Line;
     type Block = Block<8>;
     const OUTLINE_EXACT_TEST: bool = true;
-    type Lanes<S: Simd> = RoundLanes<S>;
+    const OUTLINE_LEAF: bool = false;
+    type LeafRay = RoundRay;
 
     fn tree_bounds(&self) -> Aabb {
         let finite = self.p0.is_finite()
@@ -63,17 +64,18 @@ impl Kernel for RoundedCone {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> RoundLanes<S> {
-        RoundLanes::new(simd, ray)
+    fn leaf_ray(ray: &SlabRay) -> RoundRay {
+        RoundRay::new(ray)
     }
 
     #[inline(always)]
     fn candidates<S: Simd, M: MethodTag>(
         simd: S,
-        ray: &RoundLanes<S>,
+        ray: &RoundRay,
         block: &Block<8>,
         limit: f32,
     ) -> Candidates<S> {
+        let ray = ray.lanes(simd);
         let [x0, y0, z0, r0, x1, y1, z1, r1] = block.rows.each_ref();
         let first = ray.project(simd, vec3::load(simd, [x0, y0, z0]));
         let second = ray.project(simd, vec3::load(simd, [x1, y1, z1]));

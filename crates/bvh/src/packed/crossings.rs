@@ -86,10 +86,10 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAll<'_, P, M> {
             return SmallVec::new();
         };
         let limit = slab_ray.limit(self.ray.t_max);
-        let mut visitor = AllVisitor::<S, P, M> {
+        let mut visitor = AllVisitor::<P, M> {
             packed: self.packed,
             ray: self.ray,
-            lanes: P::lanes(simd, &slab_ray),
+            leaf_ray: P::leaf_ray(&slab_ray),
             limit,
             found: SmallVec::new(),
             method: PhantomData,
@@ -100,29 +100,29 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAll<'_, P, M> {
 }
 
 /// Collects the crossings of leaves.
-struct AllVisitor<'a, S: Simd, P: Kernel, M> {
+struct AllVisitor<'a, P: Kernel, M> {
     packed: &'a Packed<P>,
     ray: &'a Ray,
-    lanes: P::Lanes<S>,
+    leaf_ray: P::LeafRay,
     limit: f32,
     found: SmallVec<[Crossing; INLINE]>,
     method: PhantomData<M>,
 }
 
-impl<S: Simd, P: Kernel, M: MethodTag> traverse::LeafVisitor<S> for AllVisitor<'_, S, P, M> {
+impl<S: Simd, P: Kernel, M: MethodTag> traverse::LeafVisitor<S> for AllVisitor<'_, P, M> {
     #[inline(always)]
     fn prefetch(&self, simd: S, index: usize) {
         simd.prefetch(&self.packed.blocks[index]);
     }
 }
 
-impl<S: Simd, P: Kernel, M: MethodTag> traverse::AnyVisitor<S> for AllVisitor<'_, S, P, M> {
+impl<S: Simd, P: Kernel, M: MethodTag> traverse::AnyVisitor<S> for AllVisitor<'_, P, M> {
     /// Never stops the traversal.
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize) -> bool {
         let block = &self.packed.blocks[index];
         let Candidates { possible: mut mask, .. } =
-            P::candidates::<S, M>(simd, &self.lanes, block, self.limit);
+            P::candidates::<S, M>(simd, &self.leaf_ray, block, self.limit);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;

@@ -30,24 +30,65 @@
 //! distance this range is much narrower than that of the `z` of its corners.
 
 use super::kernel::Candidates;
-use super::vec3::{self, dot, splat, sub};
+use super::vec3::{self, dot, sub};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
-use rotund_geometry::glam::Vec3;
+use rotund_geometry::glam::{Vec3, Vec4};
 
 /// The mask of all lanes.
 const ALL_LANES: u32 = (1 << WIDTH) - 1;
 
 /// A ray, prepared for flat primitives.
 #[derive(Clone, Copy)]
-pub struct FlatLanes<S: Simd> {
+pub struct FlatRay {
     /// The axes that become x, y and z of ray space.
     axes: [usize; 3],
+    /// The origin in ray space before the shear.
+    origin: [f32; 3],
+    /// The shear, the change of x and y per unit of z along the ray, and the parameter per unit of
+    /// the mirrored z of a [`Corner`].
+    shear: Vec4,
+    start: f32,
+    end: f32,
+}
+
+impl FlatRay {
+    #[inline(always)]
+    pub(crate) fn new(ray: &SlabRay) -> Self {
+        // The bits of non-negative numbers have the order of the numbers, and integers are compared
+        // faster. The dominant axis is computed branch-free, because it is unpredictable, and the
+        // other two by arithmetic that proves them to be below 3.
+        let (o, d) = (ray.leaf_origin.to_array(), ray.direction.to_array());
+        let [x, y, z] = [d[0].to_bits() << 1, d[1].to_bits() << 1, d[2].to_bits() << 1];
+        let z = (usize::from(y >= x) + 2 * usize::from(z >= x.max(y))).min(2);
+        let (x, y) = (if z == 2 { 0 } else { z + 1 }, if z == 0 { 2 } else { z - 1 });
+        let shear = Vec4::new(d[x], d[y], -1.0, 1.0) / d[z];
+        Self { axes: [x, y, z], origin: [o[x], o[y], o[z]], shear, start: ray.start, end: ray.end }
+    }
+
+    /// Broadcasts the ray to all lanes.
+    #[inline(always)]
+    pub(crate) fn lanes<S: Simd>(&self, simd: S) -> FlatLanes<S> {
+        let [x, y, z] = self.origin;
+        FlatLanes {
+            axes: self.axes,
+            origin: [simd.splat(x), simd.splat(y), simd.splat(z)],
+            slope: [simd.splat(self.shear.x), simd.splat(self.shear.y)],
+            inverse: simd.splat(self.shear.z),
+            start: simd.splat(self.start),
+            end: simd.splat(self.end),
+            sign: simd.splat(1f32.copysign(self.shear.z)),
+            starts_behind: if self.start < 0.0 { ALL_LANES } else { 0 },
+        }
+    }
+}
+
+/// A [`FlatRay`], broadcast to all lanes.
+pub(crate) struct FlatLanes<S: Simd> {
+    axes: [usize; 3],
     origin: [S::Lanes; 3],
-    /// The shear: the change of x and y per unit of z along the ray.
     slope: [S::Lanes; 2],
-    /// The parameter per unit of z.
     inverse: S::Lanes,
     start: S::Lanes,
     end: S::Lanes,
@@ -58,39 +99,13 @@ pub struct FlatLanes<S: Simd> {
 }
 
 impl<S: Simd> FlatLanes<S> {
-    #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &SlabRay) -> Self {
-        let size = ray.direction.abs();
-        let greater = [
-            usize::from(size.x > size.y),
-            usize::from(size.x > size.z),
-            usize::from(size.y > size.z),
-        ];
-        // 0 if x is the largest, 1 if y is, else 2. Branch-free: the dominant axis is
-        // unpredictable.
-        let z = 2 - (2 * (greater[0] & greater[1]) + (greater[2] & (greater[0] ^ 1)));
-        let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
-        let axes = [x, y, z];
-        let (o, d) = (ray.leaf_origin.to_array(), ray.direction.to_array());
-        let (o, d) = (Vec3::new(o[x], o[y], o[z]), Vec3::new(d[x], d[y], d[z]));
-        Self {
-            axes,
-            origin: splat(simd, o),
-            slope: [simd.splat(d.x / d.z), simd.splat(d.y / d.z)],
-            inverse: simd.splat(d.z.recip()),
-            start: simd.splat(ray.start),
-            end: simd.splat(ray.end),
-            sign: simd.splat(1f32.copysign(d.z)),
-            starts_behind: if ray.start < 0.0 { ALL_LANES } else { 0 },
-        }
-    }
-
     /// Loads a corner from its three rows and transforms it to ray space.
     #[inline(always)]
     pub(crate) fn corner(&self, simd: S, rows: &[[f32; WIDTH]; 3]) -> Corner<S> {
         let [x, y, z] = self.axes;
         let permuted = vec3::load(simd, [&rows[x % 3], &rows[y % 3], &rows[z % 3]]);
-        let [x, y, z] = sub(simd, permuted, self.origin);
+        // Mirrored, because a subtraction can take its second argument from memory.
+        let [x, y, z] = sub(simd, self.origin, permuted);
         Corner {
             x: simd.neg_mul_add(z, self.slope[0], x),
             y: simd.neg_mul_add(z, self.slope[1], y),
@@ -213,7 +228,7 @@ pub(crate) fn crossing_range<S: Simd>(
     [simd.max(simd.sub(z, error), smallest), simd.min(simd.add(z, error), largest)]
 }
 
-/// A corner in ray space.
+/// A corner in ray space, mirrored in the origin.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner<S: Simd> {
     pub(crate) x: S::Lanes,

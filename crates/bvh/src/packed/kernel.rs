@@ -66,6 +66,13 @@ pub struct Candidates<S: Simd> {
 }
 
 impl<S: Simd> Candidates<S> {
+    /// Returns whether no exact test is needed unless another leaf has a nearer hit: at most one
+    /// lane is possible, and it is certain.
+    #[inline(always)]
+    pub(crate) fn is_decided(&self) -> bool {
+        self.possible & self.possible.wrapping_sub(1) == 0 && self.possible == self.certain
+    }
+
     #[inline(always)]
     pub(crate) fn none(simd: S) -> Self {
         let zero = simd.splat(0.0);
@@ -83,8 +90,10 @@ pub trait Kernel: Primitive + Copy + Send + Sync {
     /// the registers that this frees; the wide test of flat ones needs so many that saving them
     /// around the call costs as much.
     const OUTLINE_EXACT_TEST: bool;
+    /// Whether the test of a leaf is an outlined call.
+    const OUTLINE_LEAF: bool;
     /// The ray, prepared for [`Kernel::candidates`].
-    type Lanes<S: Simd>: Copy;
+    type LeafRay: Copy;
 
     /// The box of the primitive; empty if no ray can hit it or one of its numbers is not finite.
     fn tree_bounds(&self) -> Aabb;
@@ -96,12 +105,12 @@ pub trait Kernel: Primitive + Copy + Send + Sync {
     fn unpack(block: &Self::Block, lane: usize) -> Self;
 
     /// Prepares a ray.
-    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> Self::Lanes<S>;
+    fn leaf_ray(ray: &SlabRay) -> Self::LeafRay;
 
     /// The wide test: finds the lanes that the ray may hit before `limit`.
     fn candidates<S: Simd, M: MethodTag>(
         simd: S,
-        ray: &Self::Lanes<S>,
+        ray: &Self::LeafRay,
         block: &Self::Block,
         limit: f32,
     ) -> Candidates<S>;

@@ -8,6 +8,7 @@
 mod any;
 mod closest;
 mod cone;
+mod crossing;
 mod crossings;
 mod exact;
 mod flat;

@@ -7,7 +7,8 @@
 //! two triangles. The patch lies in the tetrahedron of its corners, whose projection is the union
 //! of the projections of its four faces.
 
-use super::flat::{FlatLanes, largest_side, max3, min3, signed_area, volume, z_range};
+use super::crossing::{Areas, narrowed};
+use super::flat::{FlatRay, largest_side, max3, min3, signed_area, volume, z_range};
 use super::kernel::{Aligned, Block, Candidates, Kernel};
 use super::method_tag::MethodTag;
 use crate::node::WIDTH;
@@ -21,7 +22,8 @@ impl Kernel for BilinearPatch {
     type Vanilla = vanilla::Quad;
     type Block = Aligned<Block<13>>;
     const OUTLINE_EXACT_TEST: bool = false;
-    type Lanes<S: Simd> = FlatLanes<S>;
+    const OUTLINE_LEAF: bool = true;
+    type LeafRay = FlatRay;
 
     fn tree_bounds(&self) -> Aabb {
         let finite = [self.p00, self.p10, self.p01, self.p11].iter().all(|p| p.is_finite());
@@ -54,17 +56,18 @@ impl Kernel for BilinearPatch {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> FlatLanes<S> {
-        FlatLanes::new(simd, ray)
+    fn leaf_ray(ray: &SlabRay) -> FlatRay {
+        FlatRay::new(ray)
     }
 
     #[inline(always)]
     fn candidates<S: Simd, M: MethodTag>(
         simd: S,
-        ray: &FlatLanes<S>,
+        ray: &FlatRay,
         block: &Aligned<Block<13>>,
         limit: f32,
     ) -> Candidates<S> {
+        let ray = ray.lanes(simd);
         let (corners, _) = block.0.rows.as_chunks::<3>();
         let c0 = ray.corner(simd, &corners[0]);
         let c1 = ray.corner(simd, &corners[1]);
@@ -106,7 +109,15 @@ impl Kernel for BilinearPatch {
             simd.max(max3(simd, [a01, a12, a23]), a30),
         ];
         let certain = ray.certain_inside(simd, &c0, size, error, extremes);
-        ray.candidates(simd, z_range(simd, &[c0, c1, c2, c3]), limit, kept, certain)
+        let range = z_range(simd, &[c0, c1, c2, c3]);
+        let found = ray.candidates(simd, range, limit, kept, certain);
+        if matches!(M::METHOD, Method::Vanilla) || found.is_decided() {
+            return found;
+        }
+        let areas = Areas { a01, a12, a23, a30, a02, a13 };
+        let corners = [&c0, &c1, &c2, &c3];
+        let range = narrowed(simd, corners, &areas, extremes, [size, error], range);
+        ray.candidates(simd, range, limit, kept, certain)
     }
 
     #[inline(always)]

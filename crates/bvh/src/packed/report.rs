@@ -90,7 +90,7 @@ impl<P: Kernel> Packed<P> {
 
     fn count_visits<M: MethodTag>(&self, ray: &Ray) -> Visits {
         let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return Visits::default() };
-        let visitor = ClosestVisitor::<Portable, P, M>::new(Portable, self, ray, &slab_ray);
+        let visitor = ClosestVisitor::<P, M>::new(self, ray, &slab_ray);
         let mut counting = CountingVisitor { visitor, visits: Visits::default() };
         let limit = slab_ray.limit(ray.t_max);
         traverse::closest(Portable, &self.tree, &slab_ray, limit, &mut counting);
@@ -106,7 +106,7 @@ fn half_area(bounds: Aabb) -> f64 {
 }
 
 struct CountingVisitor<'a, P: Kernel, M> {
-    visitor: ClosestVisitor<'a, Portable, P, M>,
+    visitor: ClosestVisitor<'a, P, M>,
     visits: Visits,
 }
 

@@ -3,15 +3,26 @@
 use super::vec3::{dot, neg_mul_add, splat, sub};
 use crate::simd::Simd;
 use crate::slab::SlabRay;
+use rotund_geometry::glam::Vec3;
 
 /// A ray, prepared for round primitives.
 #[derive(Clone, Copy)]
-pub struct RoundLanes<S: Simd> {
+pub struct RoundRay {
+    origin: Vec3,
+    direction: Vec3,
+    /// `1 / |d|²`.
+    inverse_square: f32,
+    /// `1 / |d|`.
+    inverse_length: f32,
+    start: f32,
+    end: f32,
+}
+
+/// A [`RoundRay`], broadcast to all lanes.
+pub(crate) struct RoundLanes<S: Simd> {
     origin: [S::Lanes; 3],
     direction: [S::Lanes; 3],
-    /// `1 / |d|²`.
     inverse_square: S::Lanes,
-    /// `1 / |d|`.
     pub(crate) inverse_length: S::Lanes,
     pub(crate) start: S::Lanes,
     pub(crate) end: S::Lanes,
@@ -27,20 +38,35 @@ pub(crate) struct Projection<S: Simd> {
     pub(crate) perpendicular: [S::Lanes; 3],
 }
 
-impl<S: Simd> RoundLanes<S> {
+impl RoundRay {
     #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &SlabRay) -> Self {
+    pub(crate) fn new(ray: &SlabRay) -> Self {
         let inverse_square = ray.direction.length_squared().recip();
         Self {
-            origin: splat(simd, ray.leaf_origin),
-            direction: splat(simd, ray.direction),
-            inverse_square: simd.splat(inverse_square),
-            inverse_length: simd.splat(inverse_square.sqrt()),
-            start: simd.splat(ray.start),
-            end: simd.splat(ray.end),
+            origin: ray.leaf_origin,
+            direction: ray.direction,
+            inverse_square,
+            inverse_length: inverse_square.sqrt(),
+            start: ray.start,
+            end: ray.end,
         }
     }
 
+    /// Broadcasts the ray to all lanes.
+    #[inline(always)]
+    pub(crate) fn lanes<S: Simd>(&self, simd: S) -> RoundLanes<S> {
+        RoundLanes {
+            origin: splat(simd, self.origin),
+            direction: splat(simd, self.direction),
+            inverse_square: simd.splat(self.inverse_square),
+            inverse_length: simd.splat(self.inverse_length),
+            start: simd.splat(self.start),
+            end: simd.splat(self.end),
+        }
+    }
+}
+
+impl<S: Simd> RoundLanes<S> {
     /// Projects a point on the line of the ray.
     #[inline(always)]
     pub(crate) fn project(&self, simd: S, p: [S::Lanes; 3]) -> Projection<S> {

@@ -23,7 +23,7 @@
 
 use super::kernel::{Block, Candidates, Kernel, both_ends, step};
 use super::method_tag::MethodTag;
-use super::round::RoundLanes;
+use super::round::RoundRay;
 use super::vec3::{self, dot};
 use crate::node::WIDTH;
 use crate::simd::Simd;
@@ -34,7 +34,8 @@ impl Kernel for Sphere {
     type Vanilla = vanilla::Point;
     type Block = Block<4>;
     const OUTLINE_EXACT_TEST: bool = true;
-    type Lanes<S: Simd> = RoundLanes<S>;
+    const OUTLINE_LEAF: bool = false;
+    type LeafRay = RoundRay;
 
     fn tree_bounds(&self) -> Aabb {
         // With both methods only a sphere of positive radius can be hit.
@@ -62,17 +63,18 @@ impl Kernel for Sphere {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> RoundLanes<S> {
-        RoundLanes::new(simd, ray)
+    fn leaf_ray(ray: &SlabRay) -> RoundRay {
+        RoundRay::new(ray)
     }
 
     #[inline(always)]
     fn candidates<S: Simd, M: MethodTag>(
         simd: S,
-        ray: &RoundLanes<S>,
+        ray: &RoundRay,
         block: &Block<4>,
         limit: f32,
     ) -> Candidates<S> {
+        let ray = ray.lanes(simd);
         let [x, y, z, radius] = block.rows.each_ref();
         let center = ray.project(simd, vec3::load(simd, [x, y, z]));
         let radius = simd.load(radius);

@@ -4,7 +4,7 @@
 //! different signs.
 
 use super::flat::{
-    FlatLanes, crossing_range, largest_side, max3, min3, signed_area, volume, z_range,
+    FlatRay, crossing_range, largest_side, max3, min3, signed_area, volume, z_range,
 };
 use super::kernel::{Block, Candidates, Kernel};
 use super::method_tag::MethodTag;
@@ -18,7 +18,8 @@ impl Kernel for Triangle {
     type Vanilla = Self;
     type Block = Block<10>;
     const OUTLINE_EXACT_TEST: bool = false;
-    type Lanes<S: Simd> = FlatLanes<S>;
+    const OUTLINE_LEAF: bool = true;
+    type LeafRay = FlatRay;
 
     fn tree_bounds(&self) -> Aabb {
         let finite = [self.p0, self.p1, self.p2].iter().all(|p| p.is_finite());
@@ -46,17 +47,18 @@ impl Kernel for Triangle {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(simd: S, ray: &SlabRay) -> FlatLanes<S> {
-        FlatLanes::new(simd, ray)
+    fn leaf_ray(ray: &SlabRay) -> FlatRay {
+        FlatRay::new(ray)
     }
 
     #[inline(always)]
     fn candidates<S: Simd, M: MethodTag>(
         simd: S,
-        ray: &FlatLanes<S>,
+        ray: &FlatRay,
         block: &Block<10>,
         limit: f32,
     ) -> Candidates<S> {
+        let ray = ray.lanes(simd);
         let (corners, _) = block.rows.as_chunks::<3>();
         let c0 = ray.corner(simd, &corners[0]);
         let c1 = ray.corner(simd, &corners[1]);

@@ -262,8 +262,8 @@ impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
             return Around { best: self.best, is_complete: true };
         };
         let (reach, limit) = (slab_ray.limit(self.here.t_max), slab_ray.limit(self.end));
-        let mut visitor = AroundVisitor::<S, P> {
-            lanes: P::lanes(simd, &slab_ray),
+        let mut visitor = AroundVisitor::<P> {
+            leaf_ray: P::leaf_ray(&slab_ray),
             find: self,
             slab_ray: &slab_ray,
             reach,
@@ -279,9 +279,9 @@ impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
     }
 }
 
-struct AroundVisitor<'a, S: Simd, P: Kernel> {
+struct AroundVisitor<'a, P: Kernel> {
     find: FindAround<'a, P>,
-    lanes: P::Lanes<S>,
+    leaf_ray: P::LeafRay,
     slab_ray: &'a SlabRay,
     reach: f32,
     limit: f32,
@@ -289,21 +289,19 @@ struct AroundVisitor<'a, S: Simd, P: Kernel> {
     skipped: f32,
 }
 
-impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for AroundVisitor<'_, S, P> {
+impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for AroundVisitor<'_, P> {
     #[inline(always)]
     fn prefetch(&self, simd: S, index: usize) {
         simd.prefetch(&self.find.pieces.packed.blocks[index]);
     }
 }
 
-impl<S: Simd, P: Kernel + Solid + PartialEq> traverse::ClosestVisitor<S>
-    for AroundVisitor<'_, S, P>
-{
+impl<S: Simd, P: Kernel + Solid + PartialEq> traverse::ClosestVisitor<S> for AroundVisitor<'_, P> {
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize, _: f32) -> f32 {
         let block = &self.find.pieces.packed.blocks[index];
         let Candidates { possible: mut mask, near, .. } =
-            P::candidates::<S, Enhanced>(simd, &self.lanes, block, self.reach);
+            P::candidates::<S, Enhanced>(simd, &self.leaf_ray, block, self.reach);
         if mask == 0 {
             return self.limit;
         }
@@ -326,10 +324,10 @@ impl<S: Simd, P: Kernel + Solid + PartialEq> traverse::ClosestVisitor<S>
     }
 }
 
-impl<S: Simd, P: Kernel + Solid + PartialEq> AroundVisitor<'_, S, P> {
+impl<P: Kernel + Solid + PartialEq> AroundVisitor<'_, P> {
     /// Tests the lanes of `mask`.
     #[inline(always)]
-    fn test(&mut self, simd: S, index: usize, mut mask: u32) {
+    fn test<S: Simd>(&mut self, simd: S, index: usize, mut mask: u32) {
         let pieces = &self.find.pieces;
         let block = &pieces.packed.blocks[index];
         while mask != 0 {
@@ -400,9 +398,9 @@ impl<P: Kernel + Solid> WithSimd for FindPieces<'_, P> {
             return SmallVec::new();
         };
         let limit = slab_ray.limit(self.ray.t_max);
-        let mut visitor = PiecesVisitor::<S, P> {
+        let mut visitor = PiecesVisitor::<P> {
             pieces: Pieces { packed: self.packed, ray: self.ray },
-            lanes: P::lanes(simd, &slab_ray),
+            leaf_ray: P::leaf_ray(&slab_ray),
             limit,
             found: SmallVec::new(),
         };
@@ -411,22 +409,22 @@ impl<P: Kernel + Solid> WithSimd for FindPieces<'_, P> {
     }
 }
 
-struct PiecesVisitor<'a, S: Simd, P: Kernel> {
+struct PiecesVisitor<'a, P: Kernel> {
     pieces: Pieces<'a, P>,
-    lanes: P::Lanes<S>,
+    leaf_ray: P::LeafRay,
     limit: f32,
     found: SmallVec<[Piece; INLINE]>,
 }
 
-impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for PiecesVisitor<'_, S, P> {}
+impl<S: Simd, P: Kernel> traverse::LeafVisitor<S> for PiecesVisitor<'_, P> {}
 
-impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for PiecesVisitor<'_, S, P> {
+impl<S: Simd, P: Kernel + Solid> traverse::AnyVisitor<S> for PiecesVisitor<'_, P> {
     /// Never stops the traversal.
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize) -> bool {
         let block = &self.pieces.packed.blocks[index];
         let Candidates { possible: mut mask, .. } =
-            P::candidates::<S, Enhanced>(simd, &self.lanes, block, self.limit);
+            P::candidates::<S, Enhanced>(simd, &self.leaf_ray, block, self.limit);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
@@ -455,28 +453,28 @@ impl<P: Kernel + Solid, F: Fn(u32, &P) -> bool> WithSimd for Contains<'_, P, F> 
     fn run<S: Simd>(self, simd: S) -> bool {
         let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else { return false };
         let limit = slab_ray.limit(self.ray.t_max);
-        let lanes = P::lanes(simd, &slab_ray);
-        let mut visitor = ContainsVisitor::<S, P, F> { find: &self, lanes, limit };
+        let leaf_ray = P::leaf_ray(&slab_ray);
+        let mut visitor = ContainsVisitor::<P, F> { find: &self, leaf_ray, limit };
         traverse::any(simd, &self.packed.tree, &slab_ray, limit, &mut visitor)
     }
 }
 
-struct ContainsVisitor<'a, S: Simd, P: Kernel, F> {
+struct ContainsVisitor<'a, P: Kernel, F> {
     find: &'a Contains<'a, P, F>,
-    lanes: P::Lanes<S>,
+    leaf_ray: P::LeafRay,
     limit: f32,
 }
 
-impl<S: Simd, P: Kernel, F> traverse::LeafVisitor<S> for ContainsVisitor<'_, S, P, F> {}
+impl<S: Simd, P: Kernel, F> traverse::LeafVisitor<S> for ContainsVisitor<'_, P, F> {}
 
 impl<S: Simd, P: Kernel + Solid, F: Fn(u32, &P) -> bool> traverse::AnyVisitor<S>
-    for ContainsVisitor<'_, S, P, F>
+    for ContainsVisitor<'_, P, F>
 {
     #[inline(always)]
     fn leaf(&mut self, simd: S, index: usize) -> bool {
         let block = &self.find.packed.blocks[index];
         let Candidates { possible: mut mask, .. } =
-            P::candidates::<S, Enhanced>(simd, &self.lanes, block, self.limit);
+            P::candidates::<S, Enhanced>(simd, &self.leaf_ray, block, self.limit);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;

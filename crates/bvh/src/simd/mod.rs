@@ -57,6 +57,10 @@ pub trait Simd: Copy {
     /// `c - a * b`, rounded once or twice.
     fn neg_mul_add(self, a: Self::Lanes, b: Self::Lanes, c: Self::Lanes) -> Self::Lanes;
     fn abs(self, a: Self::Lanes) -> Self::Lanes;
+    /// `a`, negated where the sign bit of `sign` is set.
+    fn times_sign_of(self, a: Self::Lanes, sign: Self::Lanes) -> Self::Lanes;
+    /// `x`, or a NaN in lanes where `a <= b` is false.
+    fn nan_unless_le(self, x: Self::Lanes, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     fn max(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes;
     /// Bit `i` is set if `a <= b` in lane `i`.

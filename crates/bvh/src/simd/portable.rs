@@ -84,6 +84,16 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn times_sign_of(self, a: Self::Lanes, sign: Self::Lanes) -> Self::Lanes {
+        map2(a, sign, |a, sign| f32::from_bits(a.to_bits() ^ sign.to_bits() & 1 << 31))
+    }
+
+    #[inline(always)]
+    fn nan_unless_le(self, x: Self::Lanes, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
+        std::array::from_fn(|i| if a[i] <= b[i] { x[i] } else { f32::NAN })
+    }
+
+    #[inline(always)]
     fn min(self, a: Self::Lanes, b: Self::Lanes) -> Self::Lanes {
         map2(a, b, |a, b| if a < b { a } else { b })
     }

@@ -78,13 +78,18 @@ macro_rules! implement {
 
             #[inline(always)]
             fn run_outlined<T: WithSimd>(self, task: T) -> T::Output {
-                #[inline(never)]
                 #[target_feature(enable = $features)]
                 fn compiled<T: WithSimd>(simd: $isa, task: T) -> T::Output {
                     task.run(simd)
                 }
-                // SAFETY: `self` proves that the processor supports the features.
-                unsafe { compiled(self, task) }
+                // A function of its own, because compilers ignore `inline(never)` on functions with
+                // target features.
+                #[inline(never)]
+                fn outlined<T: WithSimd>(simd: $isa, task: T) -> T::Output {
+                    // SAFETY: `simd` proves that the processor supports the features.
+                    unsafe { compiled(simd, task) }
+                }
+                outlined(self, task)
             }
 
             #[inline(always)]
@@ -126,6 +131,10 @@ macro_rules! implement {
                 mul_add(a, b, c) => _mm256_fmadd_ps(a, b, c);
                 neg_mul_add(a, b, c) => _mm256_fnmadd_ps(a, b, c);
                 abs(a) => _mm256_and_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(i32::MAX)));
+                times_sign_of(a, sign) =>
+                    _mm256_xor_ps(a, _mm256_and_ps(sign, _mm256_set1_ps(-0.0)));
+                nan_unless_le(x, a, b) =>
+                    _mm256_or_ps(x, _mm256_cmp_ps::<_CMP_NLE_UQ>(a, b));
                 min(a, b) => _mm256_min_ps(a, b);
                 max(a, b) => _mm256_max_ps(a, b);
             }

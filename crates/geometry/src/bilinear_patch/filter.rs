@@ -31,12 +31,12 @@ pub(super) fn filter(patch: &BilinearPatch, ray: &Ray) -> Filtered<Root<f32>> {
     }
     let k = (image.c + image.e) - image.a;
     let discriminants = k * k - F64x2::splat(4.0) * ends;
-    // Of a parabola with values of opposite sign at its ends.
-    let (discriminant, sign) = if passes.bits() & 1 != 0 {
-        (discriminants.first(), image.e.first())
-    } else {
-        (discriminants.second(), -image.e.second())
-    };
+    // Of a parabola with values of opposite sign at its ends: the first, if it is one. Selected
+    // without a branch, which would be unpredictable.
+    let first = passes.first_in_both();
+    let discriminant = first.select(discriminants, discriminants.swapped()).first();
+    let negative = F64x2::splat(0.0) - image.e.swapped();
+    let sign = first.select(image.e, negative).first();
     let uv = image.roots(discriminant.sqrt(), sign);
     let uv = uv.max(F64x2::splat(0.0)).min(F64x2::splat(1.0));
     let [u, v] = uv.to_array();
