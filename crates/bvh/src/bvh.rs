@@ -7,7 +7,7 @@ use crate::node::{Child, Tree};
 use crate::prim_ref::finite_part;
 use crate::refit::RefitError;
 use crate::simd::{Simd, WithSimd};
-use crate::slab::SlabRay;
+use crate::slab::{Scaling, SlabRay};
 use crate::traverse;
 use rotund_geometry::{Aabb, Primitive, Ray};
 
@@ -214,9 +214,8 @@ impl Bvh {
         ray: &Ray,
         mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
     ) -> Option<Found<T>> {
-        let slab_ray = SlabRay::new(ray, self.tree.range)?;
         let mut visitor = ClosestVisitor {
-            slab_ray: &slab_ray,
+            scaling: Scaling::USUAL,
             // A `t` that is not finite is a miss, also where the interval is infinite.
             first: ray.t_min.max(f32::MIN),
             last: ray.t_max.min(f32::MAX),
@@ -239,9 +238,8 @@ impl Bvh {
     /// empty or has a NaN, hits nothing: the result is false, and `test` is not called.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
-        let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return false };
         let visitor = AnyVisitor { ray, test: &mut test };
-        self.isa.run(TraverseAny { tree: &self.tree, slab_ray: &slab_ray, visitor })
+        self.isa.run(TraverseAny { tree: &self.tree, visitor })
     }
 
     /// The instruction set of traversal.
@@ -258,7 +256,7 @@ impl Bvh {
 }
 
 struct ClosestVisitor<'a, T, F> {
-    slab_ray: &'a SlabRay,
+    scaling: Scaling,
     /// The interval of the ray, clamped to finite numbers.
     first: f32,
     last: f32,
@@ -289,7 +287,7 @@ impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::ClosestVisit
         }
         self.best = Some(Found { id, t, value });
         self.shrinking.t_max = t;
-        self.slab_ray.limit(t)
+        self.scaling.limit(t)
     }
 }
 
@@ -303,9 +301,11 @@ impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> WithSimd for TraverseClosest<'_
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let ray = self.visitor.slab_ray;
-        let limit = ray.limit(self.visitor.shrinking.t_max);
-        traverse::closest(simd, self.tree, ray, limit, self.visitor);
+        let ray = &self.visitor.shrinking;
+        let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return };
+        self.visitor.scaling = slab_ray.scaling;
+        let limit = slab_ray.scaling.limit(ray.t_max);
+        traverse::closest(simd, self.tree, &slab_ray, limit, self.visitor);
     }
 }
 
@@ -325,7 +325,6 @@ impl<S: Simd, F: FnMut(u32, &Ray) -> bool> traverse::AnyVisitor<S> for AnyVisito
 
 struct TraverseAny<'a, F> {
     tree: &'a Tree,
-    slab_ray: &'a SlabRay,
     visitor: AnyVisitor<'a, F>,
 }
 
@@ -334,7 +333,9 @@ impl<F: FnMut(u32, &Ray) -> bool> WithSimd for TraverseAny<'_, F> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) -> bool {
-        let limit = self.slab_ray.limit(self.visitor.ray.t_max);
-        traverse::any(simd, self.tree, self.slab_ray, limit, &mut self.visitor)
+        let ray = self.visitor.ray;
+        let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return false };
+        let limit = slab_ray.scaling.limit(ray.t_max);
+        traverse::any(simd, self.tree, &slab_ray, limit, &mut self.visitor)
     }
 }

@@ -59,6 +59,13 @@ pub struct SlabRay {
     pub(crate) start: f32,
     /// End of the interval, or before: minus infinity if the parameters of hits are not certain.
     pub(crate) end: f32,
+    pub(crate) scaling: Scaling,
+}
+
+/// The parameters of a [`SlabRay`] that belong to a `t`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scaling {
+    /// The parameter per `t`.
     pub(crate) scale: f32,
     /// Bound on the parameter of a `t` that is rounded to zero.
     pub(crate) least: f32,
@@ -103,9 +110,8 @@ impl SlabRay {
         }
         let [near, far] = offsets(origin, inverse, margin);
         let (leaf_origin, direction) = (ray.origin, ray.direction);
-        let (scale, least) = (1.0, f32::MIN_POSITIVE);
-        let slope = inverse;
-        Some(Self { slope, near, far, leaf_origin, direction, start, end, scale, least })
+        let (slope, scaling) = (inverse, Scaling::USUAL);
+        Some(Self { slope, near, far, leaf_origin, direction, start, end, scaling })
     }
 
     /// A ray that is still to be prepared.
@@ -117,8 +123,7 @@ impl SlabRay {
         direction: Vec3::ZERO,
         start: 0.0,
         end: 0.0,
-        scale: 1.0,
-        least: 0.0,
+        scaling: Scaling::USUAL,
     };
 
     /// Prepares a ray that is extreme in some way. Returns false for one that hits nothing.
@@ -146,9 +151,24 @@ impl SlabRay {
         let [near, far] = offsets(origin, inverse, margin);
         let leaf_origin = if in_range { ray.origin } else { Vec3::NAN };
         let slope = inverse;
-        *self = Self { slope, near, far, leaf_origin, direction, start, end, scale, least };
+        let scaling = Scaling { scale, least };
+        *self = Self { slope, near, far, leaf_origin, direction, start, end, scaling };
         true
     }
+
+    /// Broadcasts the slopes and offsets of all planes.
+    #[inline(always)]
+    pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
+        SlabLanes {
+            axes: [Axis::new(simd, self, 0), Axis::new(simd, self, 1), Axis::new(simd, self, 2)],
+            start: simd.splat(self.start),
+        }
+    }
+}
+
+impl Scaling {
+    /// That of directions and coordinates that are not extreme.
+    pub(crate) const USUAL: Self = Self { scale: 1.0, least: f32::MIN_POSITIVE };
 
     /// The parameter at which traversal may stop if hits beyond `t` are not needed.
     #[inline(always)]
@@ -164,15 +184,6 @@ impl SlabRay {
     pub(crate) fn beyond(end: f32) -> f32 {
         // The rounding error of a subnormal parameter is absolute, not relative.
         end + (LIMIT_SLACK * end.abs()).max(f32::MIN_POSITIVE)
-    }
-
-    /// Broadcasts the slopes and offsets of all planes.
-    #[inline(always)]
-    pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
-        SlabLanes {
-            axes: [Axis::new(simd, self, 0), Axis::new(simd, self, 1), Axis::new(simd, self, 2)],
-            start: simd.splat(self.start),
-        }
     }
 }
 

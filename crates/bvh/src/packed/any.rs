@@ -31,7 +31,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAny<'_, P, M> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else { return false };
-        let limit = slab_ray.limit(self.ray.t_max);
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
         let mut visitor = AnyVisitor::<P, M> {
             packed: self.packed,
             ray: self.ray,

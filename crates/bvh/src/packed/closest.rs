@@ -7,7 +7,7 @@ use super::method_tag::MethodTag;
 use crate::found::PrimitiveHit;
 use crate::node::WIDTH;
 use crate::simd::{Simd, WithSimd};
-use crate::slab::SlabRay;
+use crate::slab::{Scaling, SlabRay};
 use crate::traverse;
 use rotund_geometry::Ray;
 use std::marker::PhantomData;
@@ -33,7 +33,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let slab_ray = SlabRay::new(self.ray, self.packed.tree.range)?;
         let mut visitor = ClosestVisitor::<P, M>::new(self.packed, self.ray, &slab_ray);
-        let limit = slab_ray.limit(self.ray.t_max);
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
         traverse::closest(simd, &self.packed.tree, &slab_ray, limit, &mut visitor);
         let best = visitor.best;
         if best.id == NO_ID {
@@ -50,7 +50,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
 pub(crate) struct ClosestVisitor<'a, P: Kernel, M> {
     pub(crate) packed: &'a Packed<P>,
     ray: &'a Ray,
-    slab_ray: &'a SlabRay,
+    scaling: Scaling,
     leaf_ray: P::LeafRay,
     best: Best,
     method: PhantomData<M>,
@@ -78,9 +78,16 @@ impl Best {
 
 impl<'a, P: Kernel, M: MethodTag> ClosestVisitor<'a, P, M> {
     #[inline(always)]
-    pub(crate) fn new(packed: &'a Packed<P>, ray: &'a Ray, slab_ray: &'a SlabRay) -> Self {
+    pub(crate) fn new(packed: &'a Packed<P>, ray: &'a Ray, slab_ray: &SlabRay) -> Self {
         let leaf_ray = P::leaf_ray(slab_ray);
-        Self { packed, ray, slab_ray, leaf_ray, best: Best::NONE, method: PhantomData }
+        Self {
+            packed,
+            ray,
+            scaling: slab_ray.scaling,
+            leaf_ray,
+            best: Best::NONE,
+            method: PhantomData,
+        }
     }
 
     /// The exact `t` of a primitive, in the whole interval of the ray and not the shrunken one, so
@@ -93,8 +100,8 @@ impl<'a, P: Kernel, M: MethodTag> ClosestVisitor<'a, P, M> {
     /// Lower bound on the parameter of `t`.
     #[inline(always)]
     fn near(&self, t: f32) -> f32 {
-        let t = t * self.slab_ray.scale;
-        t - 4.0 * f32::EPSILON * t.abs() - self.slab_ray.least
+        let t = t * self.scaling.scale;
+        t - 4.0 * f32::EPSILON * t.abs() - self.scaling.least
     }
 }
 
@@ -157,7 +164,7 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
             }
             if certain >> lane & 1 == 1 && far[lane] < self.best.near {
                 self.best = Best { id, block: index, lane, t: None, near: near[lane] };
-                limit = SlabRay::beyond(far[lane]);
+                limit = Scaling::beyond(far[lane]);
                 continue;
             }
             let best_t = match self.best.t {
@@ -167,7 +174,7 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
                     let t = self.exact(simd, self.best.block, self.best.lane);
                     let t = t.unwrap_or(f32::INFINITY);
                     (self.best.t, self.best.near) = (Some(t), self.near(t));
-                    limit = limit.min(self.slab_ray.limit(t));
+                    limit = limit.min(self.scaling.limit(t));
                     if near[lane] > limit {
                         continue;
                     }
@@ -178,7 +185,7 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
                 && (t < best_t || (t == best_t && id < self.best.id))
             {
                 self.best = Best { id, block: index, lane, t: Some(t), near: self.near(t) };
-                limit = self.slab_ray.limit(t);
+                limit = self.scaling.limit(t);
             }
         }
         limit

@@ -85,7 +85,7 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindAll<'_, P, M> {
         let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else {
             return SmallVec::new();
         };
-        let limit = slab_ray.limit(self.ray.t_max);
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
         let mut visitor = AllVisitor::<P, M> {
             packed: self.packed,
             ray: self.ray,

@@ -92,7 +92,7 @@ impl<P: Kernel> Packed<P> {
         let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return Visits::default() };
         let visitor = ClosestVisitor::<P, M>::new(self, ray, &slab_ray);
         let mut counting = CountingVisitor { visitor, visits: Visits::default() };
-        let limit = slab_ray.limit(ray.t_max);
+        let limit = slab_ray.scaling.limit(ray.t_max);
         traverse::closest(Portable, &self.tree, &slab_ray, limit, &mut counting);
         counting.visits
     }

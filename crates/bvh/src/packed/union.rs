@@ -17,7 +17,7 @@ use super::pieces::{Piece, Pieces, piece};
 use crate::found::Crossing;
 use crate::node::WIDTH;
 use crate::simd::{Simd, WithSimd};
-use crate::slab::SlabRay;
+use crate::slab::{Scaling, SlabRay};
 use crate::traverse;
 use rotund_geometry::glam::Vec3;
 use rotund_geometry::{End, Interval, Method, Ray, Solid};
@@ -261,11 +261,12 @@ impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
         let Some(slab_ray) = SlabRay::new(self.here, self.pieces.packed.tree.range) else {
             return Around { best: self.best, is_complete: true };
         };
-        let (reach, limit) = (slab_ray.limit(self.here.t_max), slab_ray.limit(self.end));
+        let (reach, limit) =
+            (slab_ray.scaling.limit(self.here.t_max), slab_ray.scaling.limit(self.end));
         let mut visitor = AroundVisitor::<P> {
             leaf_ray: P::leaf_ray(&slab_ray),
             find: self,
-            slab_ray: &slab_ray,
+            scaling: slab_ray.scaling,
             reach,
             limit,
             skipped: f32::INFINITY,
@@ -282,7 +283,7 @@ impl<P: Kernel + Solid + PartialEq> WithSimd for FindAround<'_, P> {
 struct AroundVisitor<'a, P: Kernel> {
     find: FindAround<'a, P>,
     leaf_ray: P::LeafRay,
-    slab_ray: &'a SlabRay,
+    scaling: Scaling,
     reach: f32,
     limit: f32,
     /// Where the nearest solid begins that was passed over, or before.
@@ -368,7 +369,7 @@ impl<P: Kernel + Solid + PartialEq> AroundVisitor<'_, P> {
                 self.find.best = Some(piece);
                 if self.find.search == Search::LastExit {
                     let end = (exit + error) as f32;
-                    self.limit = self.limit.max(self.slab_ray.limit(end.next_up()));
+                    self.limit = self.limit.max(self.scaling.limit(end.next_up()));
                 }
             }
         }
@@ -378,7 +379,7 @@ impl<P: Kernel + Solid + PartialEq> AroundVisitor<'_, P> {
     /// all.
     #[inline(always)]
     fn begin(&self, t: f64) -> f32 {
-        let begin = (t as f32).next_down() * self.slab_ray.scale;
+        let begin = (t as f32).next_down() * self.scaling.scale;
         if begin.is_nan() { f32::NEG_INFINITY } else { begin }
     }
 }
@@ -397,7 +398,7 @@ impl<P: Kernel + Solid> WithSimd for FindPieces<'_, P> {
         let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else {
             return SmallVec::new();
         };
-        let limit = slab_ray.limit(self.ray.t_max);
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
         let mut visitor = PiecesVisitor::<P> {
             pieces: Pieces { packed: self.packed, ray: self.ray },
             leaf_ray: P::leaf_ray(&slab_ray),
@@ -452,7 +453,7 @@ impl<P: Kernel + Solid, F: Fn(u32, &P) -> bool> WithSimd for Contains<'_, P, F> 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Some(slab_ray) = SlabRay::new(self.ray, self.packed.tree.range) else { return false };
-        let limit = slab_ray.limit(self.ray.t_max);
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
         let leaf_ray = P::leaf_ray(&slab_ray);
         let mut visitor = ContainsVisitor::<P, F> { find: &self, leaf_ray, limit };
         traverse::any(simd, &self.packed.tree, &slab_ray, limit, &mut visitor)
