@@ -1,7 +1,8 @@
-//! The denoised picture beside a plain one.
+//! Denoised pictures: beside a plain one, and in the viewer.
 
 use anyhow::{Context, Result};
-use rotund_denoise::{Denoiser, Guides};
+use glam::Vec3;
+use rotund_denoise::{DenoiseError, Denoiser, Guides};
 use rotund_image::Image;
 use rotund_trace::Layers;
 use std::path::{Path, PathBuf};
@@ -33,9 +34,19 @@ impl Denoised {
         layers: &Layers,
         finish: impl Fn(Image) -> Image,
     ) -> Result<()> {
-        let arrays = |vectors: &[glam::Vec3]| vectors.iter().map(glam::Vec3::to_array).collect();
-        let guides = Guides { albedo: arrays(&layers.albedo), normal: arrays(&layers.normal) };
-        finish(self.denoiser.denoise(noisy, &guides)?).write(&self.path)?;
+        let denoised = denoise(&self.denoiser, noisy, &layers.albedo, &layers.normal)?;
+        finish(denoised).write(&self.path)?;
         Ok(())
     }
+}
+
+/// Returns a picture without its noise.
+pub(crate) fn denoise(
+    denoiser: &Denoiser,
+    noisy: &Image,
+    albedo: &[Vec3],
+    normal: &[Vec3],
+) -> Result<Image, DenoiseError> {
+    let arrays = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect();
+    denoiser.denoise(noisy, &Guides { albedo: arrays(albedo), normal: arrays(normal) })
 }

@@ -1,6 +1,7 @@
 //! The thread that renders for all clients in turn.
 
 use crate::board::Board;
+use crate::denoise::Denoise;
 use crate::message::Event;
 use crate::place::Place;
 use crate::publisher::Publisher;
@@ -26,8 +27,8 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    pub(crate) fn new(board: Arc<Board>) -> Self {
-        let publisher = Publisher::start();
+    pub(crate) fn new(board: Arc<Board>, denoiser: Option<Arc<dyn Denoise>>) -> Self {
+        let publisher = Publisher::start(denoiser);
         Self { board, publisher, place: None, seats: Vec::new(), turn: 0, failed: None }
     }
 

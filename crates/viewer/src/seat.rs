@@ -1,5 +1,6 @@
 //! The engine's side of one client: camera, settings, and the pictures in progress.
 
+use crate::denoise::Guides;
 use crate::inspect::{inspect, ray};
 use crate::message::{CameraText, Event, Inspection, Motion, Request, State};
 use crate::place::Place;
@@ -64,6 +65,8 @@ pub(crate) struct Seat {
     /// Samples per second of previews.
     speed: f64,
     films: [Option<Film>; 2],
+    /// Present for sides that have been denoised.
+    guides: [Option<Arc<Guides>>; 2],
     published: Option<(Instant, Duration)>,
     told: Option<Instant>,
     progress: [Progress; 2],
@@ -89,6 +92,7 @@ impl Seat {
             phase: Phase::Done,
             speed: 2e5,
             films: [None, None],
+            guides: [None, None],
             published: None,
             told: None,
             progress: [Progress::default(); 2],
@@ -142,6 +146,7 @@ impl Seat {
     fn restart(&mut self, place: Option<&Place>) {
         self.version += 1;
         self.films = [None, None];
+        self.guides = [None, None];
         self.progress = [Progress::default(); 2];
         self.earlier = None;
         self.noise = None;
@@ -217,7 +222,7 @@ impl Seat {
                     }
                 }
             }
-            (Request::Release, _) => self.moved = None,
+            (Request::Release {}, _) => self.moved = None,
             (Request::Inspect { at }, Some(place)) => {
                 if self.configure(place, Side::Chosen).is_ok() {
                     self.answer(&place.world(), at);
@@ -257,9 +262,14 @@ impl Seat {
         }
     }
 
-    fn set_settings(&mut self, settings: Settings, place: Option<&Place>) {
+    fn set_settings(&mut self, mut settings: Settings, place: Option<&Place>) {
         if let Err(error) = settings.validate() {
             return self.problem(format_args!("the settings are refused: {error}"));
+        }
+        if settings.denoise && !self.publisher.can_denoise() {
+            // A link may come from a machine where it can.
+            settings.denoise = false;
+            self.problem("this viewer cannot remove noise: the picture is shown as it is");
         }
         let before = std::mem::replace(&mut self.settings, settings);
         let settings = &self.settings;
@@ -275,6 +285,10 @@ impl Seat {
             self.epoch += 1;
             self.post_state(place);
             self.show_again();
+            if self.sides().iter().any(|&side| self.lacks_guides(side)) {
+                self.phase = Phase::Refine;
+                self.published = None;
+            }
         } else {
             self.jump(place);
         }
@@ -314,7 +328,7 @@ impl Seat {
                 let Some(target) = pick(&rig.camera, at) else { return };
                 rig.focus(target);
             }
-            Request::FrameAll => {
+            Request::FrameAll {} => {
                 let (center, radius) = place.extent();
                 rig.frame(center, radius);
             }

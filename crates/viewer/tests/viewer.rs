@@ -203,7 +203,7 @@ fn a_movement_is_shown_by_a_preview_that_names_it() {
     });
     assert!(preview.preview && preview.samples == 1, "{preview:?}");
     assert_eq!(moved.epoch, state.epoch, "a movement shows the same thing");
-    session.request(Request::Release);
+    session.request(Request::Release {});
     let frame = wait_for(&session, "finished picture", |output| match output {
         Output::Frame(frame) if frame.header.samples == 8 && frame.header.input == 5 => {
             Some(frame.clone())
@@ -410,7 +410,7 @@ fn a_scene_that_is_mended_after_the_first_loading_failed_is_shown() {
     let path = std::env::temp_dir().join(format!("rotund-viewer-mended-{}", std::process::id()));
     fs::write(&path, "broken").expect("written");
     let file = path.clone();
-    let viewer = Viewer::open_watching(vec![path.clone()], move || {
+    let viewer = Viewer::open_with(vec![path.clone()], None, move || {
         match fs::read_to_string(&file).expect("a file").as_str() {
             "broken" => Err("the scene is broken".to_owned()),
             _ => Ok(content()),

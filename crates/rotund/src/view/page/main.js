@@ -186,7 +186,7 @@ async function save(button) {
     if (!answer.ok) return showNotice("save", await answer.text(), true);
     const link = document.createElement("a");
     link.href = URL.createObjectURL(await answer.blob());
-    const extension = file.slice(file.lastIndexOf("."));
+    const extension = file.replace(/^(picture|report)/, "").replace("denoised", ".denoised");
     link.download = `${panel.state?.scene ?? "picture"}${extension}`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
