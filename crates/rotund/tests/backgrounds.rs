@@ -36,12 +36,12 @@ fn a_background_replaces_the_sky_and_the_floor_of_a_lone_file() {
 
 #[test]
 fn the_floor_of_a_lone_file_stays_before_a_background_if_that_is_asked_for() {
-    let (whole, kept) = (picture(&[]), picture(&["--transparent", "--floor"]));
-    let bytes = kept.srgb_bytes();
-    let at = |x: usize, y: usize| bytes[y * 60 + x];
-    assert_eq!(at(30, 39), whole.srgb_bytes()[39 * 60 + 30], "the floor as with a sky");
-    assert_eq!(at(30, 39)[3], 255);
-    assert_eq!(at(30, 0)[3], 0, "no sky");
+    let below = |options: &[&str]| picture(options).srgb_bytes()[39 * 60 + 30];
+    let floor = below(&[]);
+    assert_eq!(floor[3], 255);
+    assert_eq!(below(&["--transparent"])[3], 0);
+    assert_eq!(below(&["--transparent", "--floor"]), floor);
+    assert_eq!(below(&["--background", "white", "--floor"]), floor);
 }
 
 #[test]

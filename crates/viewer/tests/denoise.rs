@@ -77,7 +77,7 @@ fn frame(session: &Session, what: &str, wanted: impl Fn(&Frame) -> bool) -> Fram
 }
 
 fn is_green(bytes: &[u8]) -> bool {
-    let image = decode(bytes, Format::Png).expect("a PNG");
+    let image = Image::from(decode(bytes, Format::Png).expect("a PNG"));
     image.srgb_bytes().iter().all(|pixel| *pixel == [0, 255, 0, 255])
 }
 
@@ -133,9 +133,7 @@ fn a_hand_does_not_wait_for_the_denoiser() {
     let green = Arc::new(Green { pause, ..Green::default() });
     let (_viewer, session) = open(Some(Arc::clone(&green)));
     session.request(Request::Settings { settings: few(true) });
-    while green.calls.load(Ordering::Relaxed) == 0 {
-        let _ = session.next(Duration::from_millis(20));
-    }
+    next(&session, "call", |_| (green.calls.load(Ordering::Relaxed) > 0).then_some(()));
     let start = Instant::now();
     let orbit = Motion { input: 7, orbit: [0.2, 0.1], ..Motion::default() };
     session.request(Request::Move(orbit));

@@ -137,7 +137,10 @@ pub(super) fn denoise(program: &Path, chromium: &Chromium) -> Result<()> {
     let plain = page.number("hash()")?;
     let click = || page.click(page.middle("[name=denoise]")?);
     click()?;
-    page.wait("a denoised picture", "isDone() && rotundStatistics.shown.chosen.denoised")?;
+    let is_denoised = "isDone() && rotundStatistics.shown.chosen.denoised";
+    // On a busy machine the library takes many seconds.
+    let patience = Duration::from_secs(120);
+    page.wait_for("a denoised picture", is_denoised, patience)?;
     let denoised = page.number("hash()")?;
     ensure!(denoised != plain, "the denoised picture has its noise");
     ensure!(page.evaluate("find('denoised').checkVisibility()")? == true, "it is not said");
@@ -161,7 +164,7 @@ pub(super) fn denoise(program: &Path, chromium: &Chromium) -> Result<()> {
     // While moving, pictures are plain, and the denoised one follows.
     click()?;
     page.drag(page.middle("#picture")?, [9.0, 3.0], 12)?;
-    page.wait("another picture", "isDone() && rotundStatistics.shown.chosen.denoised")?;
+    page.wait_for("another picture", is_denoised, patience)?;
     let moved = page.number("hash()")?;
     ensure!(moved != plain && moved != denoised, "the picture is that of before");
     Ok(())
