@@ -51,6 +51,8 @@ pub(crate) struct Seat {
     publisher: Arc<Publisher>,
     /// `None` until there is a scene, or a camera that a client brings.
     rig: Option<Rig>,
+    /// The camera is one of the scene, as it was made for a picture of another aspect.
+    is_unfitted: bool,
     settings: Settings,
     asked: (u32, u32),
     keep_aspect: bool,
@@ -82,6 +84,7 @@ impl Seat {
             shared,
             publisher,
             rig: None,
+            is_unfitted: false,
             settings: Settings::default(),
             asked: (0, 0),
             keep_aspect: false,
@@ -123,8 +126,10 @@ impl Seat {
     /// Takes note of a scene that has been loaded: the picture starts anew, with the camera as it
     /// was, or the first one of the scene.
     pub(crate) fn scene_changed(&mut self, place: &Place) {
-        let camera = self.rig.take().map_or_else(|| place.cameras()[0].clone(), |rig| rig.camera);
-        self.take_camera(Some(place), camera);
+        let own = self.rig.take().map(|rig| rig.camera);
+        let is_unfitted = own.is_none() || self.is_unfitted;
+        self.take_camera(Some(place), own.unwrap_or_else(|| place.cameras()[0].clone()));
+        self.is_unfitted = is_unfitted;
         self.jump(Some(place));
     }
 
@@ -133,6 +138,7 @@ impl Seat {
         let eye = camera.world_from_camera.translation.into();
         let pivot = place.map_or(eye, |place| place.pivot(&camera));
         self.rig = Some(Rig::new(camera, pivot));
+        self.is_unfitted = false;
     }
 
     /// Starts another picture, of which frames of before say nothing.
@@ -158,8 +164,14 @@ impl Seat {
     /// Gives the camera the aspect of the picture, unless that of the camera is kept.
     fn fit_aspect(&mut self) {
         let (width, height) = self.asked;
-        if let Some(rig) = self.rig.as_mut().filter(|_| !self.keep_aspect && width > 0) {
-            rig.camera.aspect = width as f32 / height as f32;
+        let Some(rig) = self.rig.as_mut().filter(|_| width > 0) else { return };
+        let is_unfitted = std::mem::take(&mut self.is_unfitted);
+        if !self.keep_aspect {
+            let aspect = width as f32 / height as f32;
+            if is_unfitted {
+                rig.widen_to(aspect);
+            }
+            rig.camera.aspect = aspect;
         }
     }
 
@@ -333,7 +345,10 @@ impl Seat {
                 rig.frame(center, radius);
             }
             Request::SceneCamera { index } => match place.cameras().get(index).cloned() {
-                Some(camera) => self.take_camera(Some(place), camera),
+                Some(camera) => {
+                    self.take_camera(Some(place), camera);
+                    self.is_unfitted = true;
+                }
                 None => return self.problem(format_args!("there is no camera {index}")),
             },
             _ => return,

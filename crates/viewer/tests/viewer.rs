@@ -362,6 +362,27 @@ fn two_clients_have_a_camera_each() {
 }
 
 #[test]
+fn an_upright_picture_shows_all_that_a_camera_of_the_scene_frames() {
+    let viewer = open();
+    let session = viewer.connect();
+    let camera_at = |width, height| {
+        session.request(Request::Size { width, height, keep_aspect: false });
+        wait_for_state(&session, |state| state.width == width).camera
+    };
+    let lens = Camera::default().lens;
+    let upright = camera_at(30, 60);
+    assert_eq!((upright.aspect, upright.lens), (0.5, lens / 2.0), "1.5 times as wide as high");
+    let turned = camera_at(60, 30);
+    assert_eq!((turned.aspect, turned.lens), (2.0, lens / 2.0), "the camera is the client's now");
+    let own = CameraText { lens, ..turned };
+    session.request(Request::Camera { camera: own.clone() });
+    wait_for_state(&session, |state| state.camera == own);
+    session.request(Request::SceneCamera { index: 1 });
+    let side = wait_for_state(&session, |state| state.camera.name == "side").camera;
+    assert_eq!((side.aspect, side.lens), (2.0, lens / (2.0 / 1.5)), "wider than the scene's");
+}
+
+#[test]
 fn a_changed_file_is_loaded_again_and_a_broken_one_keeps_the_picture() {
     let path: PathBuf = std::env::temp_dir().join(format!("rotund-viewer-{}", std::process::id()));
     fs::write(&path, "0.5").expect("written");
