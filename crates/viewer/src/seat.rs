@@ -111,12 +111,16 @@ impl Seat {
         if self.rig.is_none() || self.asked.0 == 0 || self.phase == Phase::Done {
             return None;
         }
-        Some(match (self.phase, self.moved) {
+        Some(match self.moved {
             // The first preview after a movement is due at once.
-            (Phase::Preview(pixels), _) if pixels <= 0.0 => now,
-            (_, Some(moved)) => now.max(moved + PAUSE),
+            Some(moved) if !self.waits_for_picture() => now.max(moved + PAUSE),
             _ => now,
         })
+    }
+
+    /// Whether nothing shows the last change yet.
+    pub(crate) fn waits_for_picture(&self) -> bool {
+        matches!(self.phase, Phase::Preview(pixels) if pixels <= 0.0)
     }
 
     fn sides(&self) -> &'static [Side] {
@@ -227,7 +231,11 @@ impl Seat {
             (Request::Camera { camera }, place) => {
                 let camera = Camera::from(&camera);
                 match camera.validate() {
-                    Err(error) => self.problem(format_args!("the camera is refused: {error}")),
+                    Err(error) => {
+                        // It is a camera by itself, and not the first of a scene.
+                        let error = error.to_string().replacen("cameras[0]: ", "", 1);
+                        self.problem(format_args!("the camera is refused: {error}"));
+                    }
                     Ok(()) => {
                         self.take_camera(place.as_deref(), camera);
                         self.jump(place.as_deref());

@@ -362,6 +362,25 @@ fn two_clients_have_a_camera_each() {
 }
 
 #[test]
+fn a_new_client_does_not_wait_until_all_others_have_had_their_turn() {
+    let viewer = open();
+    let many: Vec<Session> = (0..12).map(|_| viewer.connect()).collect();
+    for session in &many {
+        session.request(Request::Size { width: 300, height: 200, keep_aspect: false });
+        session.request(Request::Settings { settings: Settings { samples: 100_000, ..few() } });
+    }
+    wait_for_event(&many[11], "refinement", |event| match event {
+        Event::Status(status) => (status.activity == Activity::Refining).then_some(()),
+        _ => None,
+    });
+    let start = Instant::now();
+    let session = connect(&viewer);
+    wait_for(&session, "picture", |output| matches!(output, Output::Frame(_)).then_some(()));
+    // A turn of each takes 0.3 s.
+    assert!(start.elapsed() < Duration::from_millis(1800), "it takes {:?}", start.elapsed());
+}
+
+#[test]
 fn an_upright_picture_shows_all_that_a_camera_of_the_scene_frames() {
     let viewer = open();
     let session = viewer.connect();

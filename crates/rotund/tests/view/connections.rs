@@ -103,3 +103,23 @@ fn answers_that_nobody_reads_do_not_fill_memory() {
     assert!(after < before + 20, "{before} MB before, {after} MB after");
     page_comes(&viewer);
 }
+
+#[test]
+fn a_page_that_is_gone_without_a_word_leaves_its_place() {
+    let viewer = Viewer::start(&[]);
+    let (mut gone, mut there) = (viewer.socket(), viewer.socket());
+    wait_for(&mut gone, "greeting");
+    wait_for(&mut there, "greeting");
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(34) {
+        // Whoever reads answers the question whether it is there.
+        let _ = there.read();
+    }
+    there.send(Message::text(r#"{"type":"nonsense"}"#)).expect("an open socket");
+    wait_for(&mut there, r#""type":"problem""#);
+    // The other has not, and finds its connection closed.
+    let stream = gone.get_mut();
+    stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a limit");
+    let end = stream.read_to_end(&mut Vec::new());
+    assert!(end.is_ok(), "{end:?}");
+}

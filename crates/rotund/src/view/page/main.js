@@ -56,7 +56,7 @@ const connection = new Connection({
     hand.reset();
     inspector.reset();
     element("loading").hidden = true;
-    panel.showDisconnected();
+    panel.showNothing("Not connected");
     showNotice("connection", sentence, false);
   },
 });
@@ -80,6 +80,7 @@ function onEvent(event) {
     case "problem":
       element("loading").hidden = true;
       panel.revert();
+      if (!panel.state) panel.showNothing("No scene");
       return showNotice("problem", event.text, true);
     case "solved":
       return clearNotice("problem");

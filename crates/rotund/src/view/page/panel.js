@@ -60,6 +60,7 @@ export class Panel {
     select.replaceChildren(...views.map(([name]) => new Option(name.replaceAll("-", " "), name)));
     this.views = new Map(views);
     if (this.#settings) this.#showSettings(this.#settings);
+    this.showNothing("Loading");
   }
 
   setState(state) {
@@ -121,8 +122,9 @@ export class Panel {
     this.#activity = activity;
   }
 
-  showDisconnected() {
-    element("activity").textContent = "Not connected";
+  /** There is no status: the connection is lost, or there is no scene. */
+  showNothing(why) {
+    element("activity").textContent = why;
     element("samples").textContent = "";
   }
 
