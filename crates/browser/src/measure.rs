@@ -17,7 +17,7 @@ const SPHERES: u32 = 1_000_000;
 /// How long a drag takes that is measured.
 const DRAG: Duration = Duration::from_secs(4);
 /// Samples of the picture by which refinement is compared with a render.
-const REFINED: u32 = 32;
+const REFINED: u32 = 24;
 /// Refinements in turn with renders.
 const PAIRS: u64 = 5;
 /// How long the viewer is watched when it has nothing to do.
@@ -101,10 +101,10 @@ fn measure(
 }
 
 /// Returns the samples per second of the viewer over those of a render of the same picture: the
-/// median of pairs of runs, one after the other, so that what else the machine does counts for both.
+/// median of pairs of runs in turn, so that what else the machine does counts for both.
 fn refinement(program: &Path, page: &Page, folder: &Path) -> Result<f64> {
-    page.evaluate("set('pixels', 640); set('size', 'camera')")?;
-    page.wait("another size", "Math.max(find('picture').width, find('picture').height) === 640")?;
+    page.evaluate("set('pixels', 320); set('size', 'camera')")?;
+    page.wait("another size", "Math.max(find('picture').width, find('picture').height) === 320")?;
     page.evaluate(&format!("set('samples', {REFINED})"))?;
     let mut ratios = Vec::new();
     for seed in 1..=PAIRS {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use glam::Vec3;
-use rotund_denoise::{DenoiseError, Denoiser, Guides};
+use rotund_denoise::{Denoiser, Guides};
 use rotund_image::Image;
 use rotund_trace::Layers;
 use std::path::{Path, PathBuf};
@@ -34,19 +34,14 @@ impl Denoised {
         layers: &Layers,
         finish: impl Fn(Image) -> Image,
     ) -> Result<()> {
-        let denoised = denoise(&self.denoiser, noisy, &layers.albedo, &layers.normal)?;
+        let denoised = self.denoiser.denoise(noisy, &guides(&layers.albedo, &layers.normal))?;
         finish(denoised).write(&self.path)?;
         Ok(())
     }
 }
 
-/// Returns a picture without its noise.
-pub(crate) fn denoise(
-    denoiser: &Denoiser,
-    noisy: &Image,
-    albedo: &[Vec3],
-    normal: &[Vec3],
-) -> Result<Image, DenoiseError> {
+/// Returns the guides that these colours and normals are.
+pub(crate) fn guides(albedo: &[Vec3], normal: &[Vec3]) -> Guides {
     let arrays = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect();
-    denoiser.denoise(noisy, &Guides { albedo: arrays(albedo), normal: arrays(normal) })
+    Guides { albedo: arrays(albedo), normal: arrays(normal) }
 }

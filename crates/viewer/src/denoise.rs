@@ -8,12 +8,13 @@ use std::time::Duration;
 
 /// Something that removes the noise of pictures.
 pub trait Denoise: Debug + Send + Sync {
-    /// Returns the picture without its noise; the error is one sentence for people.
+    /// Returns the picture without its noise; the error is one sentence for people. Pictures of
+    /// the same surfaces come with the same allocation of guides.
     ///
     /// # Errors
     ///
     /// If it fails, for instance for lack of memory.
-    fn denoise(&self, noisy: &Image, guides: &Guides) -> Result<Image, String>;
+    fn denoise(&self, noisy: &Image, guides: &Arc<Guides>) -> Result<Image, String>;
 }
 
 /// What is known of each pixel without noise, row by row from the top.

@@ -6,6 +6,9 @@ use serde_json::{Value, json};
 use std::path::Path;
 use tungstenite::Message;
 
+/// Why a picture is compared, what its settings change, and what is asked for then.
+type Case<'a> = (&'a str, &'a [(&'a str, Value)], &'a [Value]);
+
 /// Returns the channels R, G, B and A as bits.
 fn bits(path: &Path) -> Vec<(String, Vec<u32>)> {
     let image = read_first_flat_layer_from_file(path).expect("an EXR");
@@ -60,7 +63,7 @@ fn check(viewer: &Viewer, why: &str, changes: &[(&str, Value)], requests: &[Valu
 fn the_command_makes_what_is_shown_of_a_lone_file() {
     let viewer = Viewer::start(&["--radius", "0.3", "--up", "y"]);
     let moved = json!({ "type": "move", "orbit": [0.2, 0.1], "zoom": 0.4, "pan": [0.03, -0.02] });
-    let table: [(&str, &[(&str, Value)], &[Value]); 4] = [
+    let table: [Case<'_>; 4] = [
         ("as it is", &[], &[]),
         ("without the background", &[("background", json!(false))], &[]),
         ("by another method", &[("points", json!(false))], &[]),
@@ -77,7 +80,7 @@ fn the_command_makes_what_is_shown_of_a_scene() {
     let grab = json!({ "type": "grab", "at": [0.4, 0.6] });
     let moved = json!({ "type": "move", "orbit": [0.3, -0.1], "fly": [0.1, 0.0, 0.2] });
     let focus = json!({ "type": "focus", "at": [0.5, 0.5] });
-    let table: [(&str, &[(&str, Value)], &[Value]); 8] = [
+    let table: [Case<'_>; 8] = [
         ("as it is", &[], &[]),
         ("moved", &[], &[grab, moved, json!({ "type": "release" })]),
         ("in focus", &[], &[focus]),
