@@ -16,6 +16,7 @@ use std::time::Instant;
 mod checks;
 mod chromium;
 mod devtools;
+mod many;
 mod measure;
 mod page;
 mod proxy;
@@ -36,6 +37,9 @@ struct Args {
     /// Only the measurements.
     #[arg(long, conflicts_with = "short")]
     measure: bool,
+    /// Only the memory of the viewer while it shows this many spheres.
+    #[arg(long, value_name = "N", conflicts_with_all = ["short", "measure"])]
+    spheres: Option<u32>,
     /// Only the checks whose names contain this text.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
@@ -76,6 +80,9 @@ fn main() -> ExitCode {
 fn run(args: &Args, browser: &Path) -> Result<()> {
     let program = std::path::absolute(args.program.clone().map_or_else(build, Ok)?)?;
     let chromium = Chromium::start(browser)?;
+    if let Some(count) = args.spheres {
+        return many::run(&program, &chromium, count);
+    }
     if args.measure {
         return measure::run(&program, &chromium, args.minutes);
     }

@@ -17,7 +17,9 @@ const SPHERES: u32 = 1_000_000;
 /// How long a drag takes that is measured.
 const DRAG: Duration = Duration::from_secs(4);
 /// Samples of the picture by which refinement is compared with a render.
-const REFINED: u32 = 32;
+const REFINED: u32 = 24;
+/// Refinements in turn with renders.
+const PAIRS: u64 = 5;
 /// How long the viewer is watched when it has nothing to do.
 const REST: Duration = Duration::from_secs(5);
 
@@ -98,26 +100,41 @@ fn measure(
     ])
 }
 
-/// Returns the samples per second of the viewer over those of a render of the same picture.
+/// Returns the samples per second of the viewer over those of a render of the same picture: the
+/// median of pairs of runs in turn, so that what else the machine does counts for both.
 fn refinement(program: &Path, page: &Page, folder: &Path) -> Result<f64> {
-    page.evaluate("set('pixels', 640); set('size', 'camera')")?;
-    page.wait("another size", "Math.max(find('picture').width, find('picture').height) === 640")?;
+    page.evaluate("set('pixels', 320); set('size', 'camera')")?;
+    page.wait("another size", "Math.max(find('picture').width, find('picture').height) === 320")?;
     page.evaluate(&format!("set('samples', {REFINED})"))?;
-    page.wait_done()?;
-    let status = "rotundStatistics.status";
-    page.wait("the time", &format!("{status}.activity === 'done' && {status}.samples > 2"))?;
-    let viewer = page.number("rotundStatistics.status.seconds")?;
+    let mut ratios = Vec::new();
+    for seed in 1..=PAIRS {
+        page.evaluate(&format!("set('seed', {seed})"))?;
+        page.wait("the seed", &format!("rotundStatistics.state.settings.seed === {seed}"))?;
+        let is_done = "rotundStatistics.status.activity === 'done' \
+            && rotundStatistics.status.epoch === rotundStatistics.state.epoch";
+        // Whoever asks all the time takes time.
+        while page.evaluate(is_done)? != true {
+            sleep(Duration::from_millis(250));
+        }
+        let viewer = page.number("rotundStatistics.status.seconds")?;
+        ratios.push(render(program, page, folder)? / viewer);
+    }
+    Ok(quantile(&mut ratios, 0.5))
+}
+
+/// Returns the seconds of a render of what the page shows.
+fn render(program: &Path, page: &Page, folder: &Path) -> Result<f64> {
     page.evaluate("find('long-render').click()")?;
     page.wait("the command", "find('text-dialog').open && find('text').value !== ''")?;
     let line = page.string("find('text').value")?;
+    page.evaluate("find('text-dialog').close(); find('text').value = ''")?;
     let words = line.strip_prefix("rotund").context("a command of the program")?;
     let mut shell = Command::new("sh");
     shell.current_dir(folder).arg("-c").arg(format!("'{}'{words}", program.display()));
     let output = shell.output()?;
     let said = String::from_utf8_lossy(&output.stdout);
-    let render = said.split(" samples in ").nth(1).and_then(|rest| rest.split(' ').next());
-    let render: f64 = render.with_context(|| format!("{line} prints {said:?}"))?.parse()?;
-    Ok(render / viewer)
+    let seconds = said.split(" samples in ").nth(1).and_then(|rest| rest.split(' ').next());
+    Ok(seconds.with_context(|| format!("{line} prints {said:?}"))?.parse()?)
 }
 
 /// Drags in a circle.

@@ -63,8 +63,17 @@ impl Viewer {
 
     /// Returns the bytes of memory that it holds.
     pub(crate) fn memory(&self) -> Result<f64> {
+        self.bytes("VmRSS:")
+    }
+
+    /// Returns the most bytes of memory that it has held.
+    pub(crate) fn peak(&self) -> Result<f64> {
+        self.bytes("VmHWM:")
+    }
+
+    fn bytes(&self, entry: &str) -> Result<f64> {
         let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id()))?;
-        let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        let line = text.lines().find_map(|line| line.strip_prefix(entry));
         let kibibytes = line.and_then(|line| line.split_whitespace().next());
         Ok(kibibytes.context("a line of /proc")?.parse::<f64>()? * 1024.0)
     }

@@ -55,6 +55,10 @@ pub struct Guides {
     pub normal: Vec<[f32; 3]>,
 }
 
+/// Guides whose noise has been removed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CleanGuides(Guides);
+
 /// The loaded library.
 #[derive(Debug)]
 pub struct Denoiser {
@@ -104,37 +108,54 @@ impl Denoiser {
     /// If picture or guides do not hold `width * height` pixels, or the library fails, for instance
     /// for lack of memory.
     pub fn denoise(&self, image: &Image, guides: &Guides) -> Result<Image, DenoiseError> {
-        let &Image { width, height, ref pixels } = image;
-        let whole = width as usize * height as usize;
-        let arrays = [
-            ("the array", pixels.len()),
-            ("the albedo", guides.albedo.len()),
-            ("the normal", guides.normal.len()),
-        ];
-        for (index, (what, count)) in arrays.into_iter().enumerate() {
-            if count != whole && (index == 0 || count > 0) {
-                return Err(DenoiseError::Size { what, count, width, height });
+        self.denoise_by(image, &self.clean(image.width, image.height, guides)?)
+    }
+
+    /// Returns guides without their noise, for several pictures of the same surfaces.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::denoise`].
+    pub fn clean(
+        &self,
+        width: u32,
+        height: u32,
+        guides: &Guides,
+    ) -> Result<CleanGuides, DenoiseError> {
+        let size = [width as usize, height as usize];
+        let clean = |what, name, guide: &[[f32; 3]]| {
+            check_size(what, guide.len(), width, height, true)?;
+            if guide.is_empty() {
+                return Ok(Vec::new());
             }
-        }
-        if whole == 0 {
+            self.oidn.run(size, &[(name, guide)], &[])
+        };
+        let albedo = clean("the albedo", c"albedo", &guides.albedo)?;
+        let normal = clean("the normal", c"normal", &guides.normal)?;
+        Ok(CleanGuides(Guides { albedo, normal }))
+    }
+
+    /// Does what [`Self::denoise`] does, by guides that are free of noise.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::denoise`].
+    pub fn denoise_by(&self, image: &Image, guides: &CleanGuides) -> Result<Image, DenoiseError> {
+        let &Image { width, height, ref pixels } = image;
+        let CleanGuides(Guides { albedo, normal }) = guides;
+        check_size("the array", pixels.len(), width, height, false)?;
+        check_size("the albedo", albedo.len(), width, height, true)?;
+        check_size("the normal", normal.len(), width, height, true)?;
+        if pixels.is_empty() {
             return Ok(image.clone());
         }
         let size = [width as usize, height as usize];
-        let clean = |name, guide: &[[f32; 3]]| {
-            if guide.is_empty() {
-                Ok(Vec::new())
-            } else {
-                self.oidn.run(size, &[(name, guide)], &[])
-            }
-        };
-        let albedo = clean(c"albedo", &guides.albedo)?;
-        let normal = clean(c"normal", &guides.normal)?;
         let color: Vec<[f32; 3]> = pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
         let mut inputs = vec![(c"color", &color[..])];
         if !albedo.is_empty() {
-            inputs.push((c"albedo", &albedo));
+            inputs.push((c"albedo", albedo));
             if !normal.is_empty() {
-                inputs.push((c"normal", &normal));
+                inputs.push((c"normal", normal));
             }
         }
         let has_guides = inputs.len() > 1;
@@ -143,4 +164,16 @@ impl Denoiser {
         let joined = clean.iter().zip(pixels).map(|(&[r, g, b], &[_, _, _, a])| [r, g, b, a]);
         Ok(Image { width, height, pixels: joined.collect() })
     }
+}
+
+/// Makes sure that there is one value for each pixel, or none if that `may_be_empty`.
+fn check_size(
+    what: &'static str,
+    count: usize,
+    width: u32,
+    height: u32,
+    may_be_empty: bool,
+) -> Result<(), DenoiseError> {
+    let fits = count == width as usize * height as usize || (may_be_empty && count == 0);
+    if fits { Ok(()) } else { Err(DenoiseError::Size { what, count, width, height }) }
 }

@@ -1,6 +1,7 @@
-//! The denoised picture beside a plain one.
+//! Denoised pictures: beside a plain one, and in the viewer.
 
 use anyhow::{Context, Result};
+use glam::Vec3;
 use rotund_denoise::{Denoiser, Guides};
 use rotund_image::Image;
 use rotund_trace::Layers;
@@ -33,9 +34,14 @@ impl Denoised {
         layers: &Layers,
         finish: impl Fn(Image) -> Image,
     ) -> Result<()> {
-        let arrays = |vectors: &[glam::Vec3]| vectors.iter().map(glam::Vec3::to_array).collect();
-        let guides = Guides { albedo: arrays(&layers.albedo), normal: arrays(&layers.normal) };
-        finish(self.denoiser.denoise(noisy, &guides)?).write(&self.path)?;
+        let denoised = self.denoiser.denoise(noisy, &guides(&layers.albedo, &layers.normal))?;
+        finish(denoised).write(&self.path)?;
         Ok(())
     }
+}
+
+/// Returns the guides that these colours and normals are.
+pub(crate) fn guides(albedo: &[Vec3], normal: &[Vec3]) -> Guides {
+    let arrays = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect();
+    Guides { albedo: arrays(albedo), normal: arrays(normal) }
 }

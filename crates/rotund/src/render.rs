@@ -73,14 +73,18 @@ pub struct Args {
     #[arg(long, value_parser = choice::parser::<View>(views()), default_value = "path")]
     view: View,
     /// Make the background transparent: the environment lights the scene but is hidden from the
-    /// camera. The file of a shape by itself gets no floor.
+    /// camera. The file of a shape by itself gets no floor, unless --floor is given.
     #[arg(long)]
     transparent: bool,
     /// Show this colour (sRGB) instead of the environment, which still lights the scene: white,
-    /// black, grey, #rgb or #rrggbb. The file of a shape by itself gets no floor.
+    /// black, grey, #rgb or #rrggbb. The file of a shape by itself gets no floor, unless --floor is
+    /// given.
     #[arg(long, value_name = "COLOUR", value_parser = background::parse)]
     #[arg(conflicts_with = "transparent")]
     background: Option<Background>,
+    /// Keep the floor of the file of a shape by itself, in spite of --transparent or --background.
+    #[arg(long)]
+    floor: bool,
     /// Add albedo, normal, depth, position and ids to the image as layers; only an exr holds them.
     #[arg(long, requires = "out")]
     layers: bool,
@@ -114,7 +118,7 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
         }
     }
     let transparent = args.transparent || args.background.is_some();
-    args.picture.loading.without_floor = transparent;
+    args.picture.loading.without_floor = transparent && !args.floor;
     // Before the render: a library that is missing is known at once, and not after a night.
     let denoised = out.as_deref().filter(|_| args.denoise).map(Denoised::beside).transpose()?;
     let checkpoint = args.checkpoint.path()?;

@@ -35,6 +35,16 @@ fn a_background_replaces_the_sky_and_the_floor_of_a_lone_file() {
 }
 
 #[test]
+fn the_floor_of_a_lone_file_stays_before_a_background_if_that_is_asked_for() {
+    let below = |options: &[&str]| picture(options).srgb_bytes()[39 * 60 + 30];
+    let floor = below(&[]);
+    assert_eq!(floor[3], 255);
+    assert_eq!(below(&["--transparent"])[3], 0);
+    assert_eq!(below(&["--transparent", "--floor"]), floor);
+    assert_eq!(below(&["--background", "white", "--floor"]), floor);
+}
+
+#[test]
 fn a_background_is_a_colour_and_not_transparent_at_once() {
     for options in [&["--background", "mauve"][..], &["--background", "white", "--transparent"]] {
         let fixed = ["rotund", "render", "shapes1", "--out", "unwritten.png"];

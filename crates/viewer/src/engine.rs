@@ -1,6 +1,7 @@
 //! The thread that renders for all clients in turn.
 
 use crate::board::Board;
+use crate::denoise::Denoise;
 use crate::message::Event;
 use crate::place::Place;
 use crate::publisher::Publisher;
@@ -26,8 +27,8 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    pub(crate) fn new(board: Arc<Board>) -> Self {
-        let publisher = Publisher::start();
+    pub(crate) fn new(board: Arc<Board>, denoiser: Option<Arc<dyn Denoise>>) -> Self {
+        let publisher = Publisher::start(denoiser);
         Self { board, publisher, place: None, seats: Vec::new(), turn: 0, failed: None }
     }
 
@@ -96,19 +97,28 @@ impl Engine {
     }
 
     /// Returns the next seat that has something to do, or else how long to wait for that; `None`
-    /// until something is new.
+    /// until something is new. Whoever waits for a first picture does not wait for the refinements
+    /// of all others.
     fn next_seat(&mut self) -> Result<usize, Option<Duration>> {
         let now = Instant::now();
         let mut earliest: Option<Instant> = None;
+        let mut next = None;
         let count = self.seats.len();
         for index in (0..count).map(|offset| (self.turn + offset) % count) {
-            if let Some(at) = self.seats[index].ready_at(now).filter(|_| self.place.is_some()) {
-                if at <= now {
-                    self.turn = (index + 1) % count;
-                    return Ok(index);
-                }
+            let seat = &self.seats[index];
+            let Some(at) = seat.ready_at(now).filter(|_| self.place.is_some()) else { continue };
+            if at > now {
                 earliest = Some(earliest.map_or(at, |other| other.min(at)));
+            } else if seat.waits_for_picture() {
+                next = Some(index);
+                break;
+            } else {
+                next = next.or(Some(index));
             }
+        }
+        if let Some(index) = next {
+            self.turn = (index + 1) % count;
+            return Ok(index);
         }
         let wait = earliest.map(|at| at - now);
         let is_loading = self.board.news().loading.is_some();

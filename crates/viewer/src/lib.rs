@@ -12,6 +12,7 @@
 mod bell;
 mod board;
 mod content;
+mod denoise;
 mod develop;
 mod engine;
 mod inspect;
@@ -19,6 +20,7 @@ mod message;
 mod outbox;
 mod place;
 mod publisher;
+mod queue;
 mod rig;
 mod seat;
 mod session;
@@ -29,6 +31,7 @@ mod viewer;
 mod watch;
 
 pub use content::Content;
+pub use denoise::{Denoise, Guides};
 pub use message::{
     Activity, CameraText, Event, Frame, FrameHeader, Inspection, Motion, Output, Request, State,
     Status, Surface,

@@ -32,14 +32,15 @@ pub enum Request {
     /// Moves the camera.
     Move(Motion),
     /// The hand lets go.
-    Release,
+    // Braces make serde refuse fields, which it ignores for a variant without.
+    Release {},
     /// Turns the camera to the surface below a point of the picture, and focuses on it.
     Focus {
         /// A point of the picture.
         at: [f32; 2],
     },
     /// Moves the camera back until all is in the picture.
-    FrameAll,
+    FrameAll {},
     /// Takes this camera, but with the aspect of the picture unless that is kept.
     Camera {
         /// The camera.
@@ -257,6 +258,8 @@ pub struct FrameHeader {
     pub samples: u32,
     /// Whether the picture has fewer pixels or less precise ones than it will have at rest.
     pub preview: bool,
+    /// Whether its noise has been removed.
+    pub denoised: bool,
     /// Media type of the bytes: `image/png`, which is exact, or `image/jpeg`.
     pub media: &'static str,
 }

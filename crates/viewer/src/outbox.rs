@@ -149,8 +149,9 @@ mod tests {
     const NOW: Duration = Duration::ZERO;
 
     fn header(side: Side, epoch: u64, samples: u32) -> FrameHeader {
-        let (id, input, width, height, preview, media) = (0, 0, 1, 1, false, "image/png");
-        FrameHeader { id, epoch, side, input, width, height, samples, preview, media }
+        let (id, input, width, height, media) = (0, 0, 1, 1, "image/png");
+        let (preview, denoised) = (false, false);
+        FrameHeader { id, epoch, side, input, width, height, samples, preview, denoised, media }
     }
 
     fn status(samples: u32) -> Event {

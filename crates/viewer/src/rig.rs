@@ -148,6 +148,15 @@ impl Rig {
         self.camera.world_from_camera.translation = (center + distance * back).into();
     }
 
+    /// Widens the field of view, if need be, such that a picture of another aspect shows all that
+    /// the camera frames: a phone held upright would cut off the sides.
+    pub(crate) fn widen_to(&mut self, aspect: f32) {
+        // Sides of the film in parts of the longer one.
+        let sides = |aspect: f32| [aspect.min(1.0), aspect.recip().min(1.0)];
+        let (own, other) = (sides(self.camera.aspect), sides(aspect));
+        self.camera.lens /= (own[0] / other[0]).max(own[1] / other[1]);
+    }
+
     /// Returns the rotation that turns the view right and down by these angles, bounded so that the
     /// view does not become vertical.
     fn turn(&self, right: f32, down: f32) -> Quat {
@@ -207,7 +216,8 @@ mod tests {
         let p = camera.world_from_camera.inverse().transform_point3(point);
         let longer = if camera.orthographic { p.truncate() } else { p.truncate() / -p.z };
         let on_film = longer * camera.lens / camera.film;
-        [0.5 + on_film.x, 0.5 - on_film.y * camera.aspect]
+        let (wide, high) = (camera.aspect.min(1.0), camera.aspect.max(1.0));
+        [0.5 + on_film.x / wide, 0.5 - on_film.y * high]
     }
 
     fn near(a: [f32; 2], b: [f32; 2]) -> bool {
@@ -251,6 +261,28 @@ mod tests {
         turned.apply(&Motion { look: [0.02, 0.02], ..Motion::default() }, None);
         let after = shown_at(&turned.camera, near_side);
         assert!(after[0] < before[0] && after[1] < before[1], "{before:?} {after:?}");
+    }
+
+    #[test]
+    fn a_picture_of_another_aspect_shows_all_that_the_camera_frames() {
+        let corners = |camera: &Camera| {
+            let ends = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
+            ends.map(|at| {
+                let ray = camera.ray(at, Vec2::ZERO);
+                ray.origin + 3.0 * ray.direction
+            })
+        };
+        for (own, other) in [(1.5, 0.5), (1.5, 3.0), (1.5, 1.2), (0.5, 2.0), (3.0, 0.46)] {
+            let mut rig = rig();
+            rig.camera.aspect = own;
+            let corners = corners(&rig.camera);
+            rig.widen_to(other);
+            rig.camera.aspect = other;
+            let seen = corners.map(|corner| shown_at(&rig.camera, corner));
+            let wide = |axis: usize| seen.map(|at| at[axis]).into_iter().fold(0.0, f32::max);
+            assert!(wide(0).max(wide(1)) < 1.0 + 1e-4, "{own} in {other}: {seen:?}");
+            assert!(wide(0).max(wide(1)) > 1.0 - 1e-4, "{own} in {other} is too wide: {seen:?}");
+        }
     }
 
     #[test]

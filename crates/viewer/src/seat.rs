@@ -1,5 +1,6 @@
 //! The engine's side of one client: camera, settings, and the pictures in progress.
 
+use crate::denoise::Guides;
 use crate::inspect::{inspect, ray};
 use crate::message::{CameraText, Event, Inspection, Motion, Request, State};
 use crate::place::Place;
@@ -50,6 +51,8 @@ pub(crate) struct Seat {
     publisher: Arc<Publisher>,
     /// `None` until there is a scene, or a camera that a client brings.
     rig: Option<Rig>,
+    /// The camera is one of the scene, as it was made for a picture of another aspect.
+    is_unfitted: bool,
     settings: Settings,
     asked: (u32, u32),
     keep_aspect: bool,
@@ -64,6 +67,8 @@ pub(crate) struct Seat {
     /// Samples per second of previews.
     speed: f64,
     films: [Option<Film>; 2],
+    /// Present for sides that have been denoised.
+    guides: [Option<Arc<Guides>>; 2],
     published: Option<(Instant, Duration)>,
     told: Option<Instant>,
     progress: [Progress; 2],
@@ -79,6 +84,7 @@ impl Seat {
             shared,
             publisher,
             rig: None,
+            is_unfitted: false,
             settings: Settings::default(),
             asked: (0, 0),
             keep_aspect: false,
@@ -89,6 +95,7 @@ impl Seat {
             phase: Phase::Done,
             speed: 2e5,
             films: [None, None],
+            guides: [None, None],
             published: None,
             told: None,
             progress: [Progress::default(); 2],
@@ -104,12 +111,16 @@ impl Seat {
         if self.rig.is_none() || self.asked.0 == 0 || self.phase == Phase::Done {
             return None;
         }
-        Some(match (self.phase, self.moved) {
+        Some(match self.moved {
             // The first preview after a movement is due at once.
-            (Phase::Preview(pixels), _) if pixels <= 0.0 => now,
-            (_, Some(moved)) => now.max(moved + PAUSE),
+            Some(moved) if !self.waits_for_picture() => now.max(moved + PAUSE),
             _ => now,
         })
+    }
+
+    /// Whether nothing shows the last change yet.
+    pub(crate) fn waits_for_picture(&self) -> bool {
+        matches!(self.phase, Phase::Preview(pixels) if pixels <= 0.0)
     }
 
     fn sides(&self) -> &'static [Side] {
@@ -119,8 +130,10 @@ impl Seat {
     /// Takes note of a scene that has been loaded: the picture starts anew, with the camera as it
     /// was, or the first one of the scene.
     pub(crate) fn scene_changed(&mut self, place: &Place) {
-        let camera = self.rig.take().map_or_else(|| place.cameras()[0].clone(), |rig| rig.camera);
-        self.take_camera(Some(place), camera);
+        let own = self.rig.take().map(|rig| rig.camera);
+        let is_unfitted = own.is_none() || self.is_unfitted;
+        self.take_camera(Some(place), own.unwrap_or_else(|| place.cameras()[0].clone()));
+        self.is_unfitted = is_unfitted;
         self.jump(Some(place));
     }
 
@@ -129,6 +142,7 @@ impl Seat {
         let eye = camera.world_from_camera.translation.into();
         let pivot = place.map_or(eye, |place| place.pivot(&camera));
         self.rig = Some(Rig::new(camera, pivot));
+        self.is_unfitted = false;
     }
 
     /// Starts another picture, of which frames of before say nothing.
@@ -142,6 +156,7 @@ impl Seat {
     fn restart(&mut self, place: Option<&Place>) {
         self.version += 1;
         self.films = [None, None];
+        self.guides = [None, None];
         self.progress = [Progress::default(); 2];
         self.earlier = None;
         self.noise = None;
@@ -153,8 +168,14 @@ impl Seat {
     /// Gives the camera the aspect of the picture, unless that of the camera is kept.
     fn fit_aspect(&mut self) {
         let (width, height) = self.asked;
-        if let Some(rig) = self.rig.as_mut().filter(|_| !self.keep_aspect && width > 0) {
-            rig.camera.aspect = width as f32 / height as f32;
+        let Some(rig) = self.rig.as_mut().filter(|_| width > 0) else { return };
+        let is_unfitted = std::mem::take(&mut self.is_unfitted);
+        if !self.keep_aspect {
+            let aspect = width as f32 / height as f32;
+            if is_unfitted {
+                rig.widen_to(aspect);
+            }
+            rig.camera.aspect = aspect;
         }
     }
 
@@ -210,14 +231,18 @@ impl Seat {
             (Request::Camera { camera }, place) => {
                 let camera = Camera::from(&camera);
                 match camera.validate() {
-                    Err(error) => self.problem(format_args!("the camera is refused: {error}")),
+                    Err(error) => {
+                        // It is a camera by itself, and not the first of a scene.
+                        let error = error.to_string().replacen("cameras[0]: ", "", 1);
+                        self.problem(format_args!("the camera is refused: {error}"));
+                    }
                     Ok(()) => {
                         self.take_camera(place.as_deref(), camera);
                         self.jump(place.as_deref());
                     }
                 }
             }
-            (Request::Release, _) => self.moved = None,
+            (Request::Release {}, _) => self.moved = None,
             (Request::Inspect { at }, Some(place)) => {
                 if self.configure(place, Side::Chosen).is_ok() {
                     self.answer(&place.world(), at);
@@ -257,9 +282,14 @@ impl Seat {
         }
     }
 
-    fn set_settings(&mut self, settings: Settings, place: Option<&Place>) {
+    fn set_settings(&mut self, mut settings: Settings, place: Option<&Place>) {
         if let Err(error) = settings.validate() {
             return self.problem(format_args!("the settings are refused: {error}"));
+        }
+        if settings.denoise && !self.publisher.can_denoise() {
+            // A link may come from a machine where it can.
+            settings.denoise = false;
+            self.problem("this viewer cannot remove noise: the picture is shown as it is");
         }
         let before = std::mem::replace(&mut self.settings, settings);
         let settings = &self.settings;
@@ -275,6 +305,10 @@ impl Seat {
             self.epoch += 1;
             self.post_state(place);
             self.show_again();
+            if self.sides().iter().any(|&side| self.lacks_guides(side)) {
+                self.phase = Phase::Refine;
+                self.published = None;
+            }
         } else {
             self.jump(place);
         }
@@ -314,12 +348,15 @@ impl Seat {
                 let Some(target) = pick(&rig.camera, at) else { return };
                 rig.focus(target);
             }
-            Request::FrameAll => {
+            Request::FrameAll {} => {
                 let (center, radius) = place.extent();
                 rig.frame(center, radius);
             }
             Request::SceneCamera { index } => match place.cameras().get(index).cloned() {
-                Some(camera) => self.take_camera(Some(place), camera),
+                Some(camera) => {
+                    self.take_camera(Some(place), camera);
+                    self.is_unfitted = true;
+                }
                 None => return self.problem(format_args!("there is no camera {index}")),
             },
             _ => return,

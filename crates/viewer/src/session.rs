@@ -41,7 +41,7 @@ impl Session {
     }
 
     /// Returns the picture that is shown, as the bytes of a PNG: of the last frame of
-    /// [`Side::Chosen`], in the same colours.
+    /// [`Side::Chosen`], in the same colours, with its noise.
     ///
     /// # Errors
     ///
@@ -49,6 +49,18 @@ impl Session {
     pub fn png(&self) -> Result<Vec<u8>, SaveError> {
         let kept = self.shared.kept(Side::Chosen).ok_or(SaveError::Nothing)?;
         let image = Tone::of(&kept.settings).apply((*kept.image).clone());
+        Ok(encoded(&image, true)?.0)
+    }
+
+    /// Returns the picture that is shown without its noise, as the bytes of a PNG.
+    ///
+    /// # Errors
+    ///
+    /// If there is none yet.
+    pub fn denoised_png(&self) -> Result<Vec<u8>, SaveError> {
+        let kept = self.shared.kept(Side::Chosen).ok_or(SaveError::Nothing)?;
+        let denoised = self.shared.denoised(&kept).ok_or(SaveError::Noisy)?;
+        let image = Tone::of(&kept.settings).apply((*denoised.image).clone());
         Ok(encoded(&image, true)?.0)
     }
 

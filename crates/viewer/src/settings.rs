@@ -53,6 +53,8 @@ pub struct Settings {
     pub exposure: f32,
     /// Compress highlights by a curve like that of film.
     pub filmic: bool,
+    /// Show pictures at rest without their noise, if the viewer has a [`crate::Denoise`].
+    pub denoise: bool,
 }
 
 impl Default for Settings {
@@ -72,6 +74,7 @@ impl Default for Settings {
             background: true,
             exposure: 0.0,
             filmic: false,
+            denoise: false,
         }
     }
 }
@@ -140,9 +143,10 @@ impl Settings {
         ]
     }
 
-    /// Returns true if other settings show the same radiance, so that only its colours change.
+    /// Returns true if other settings have the same films, so that only what is made of them
+    /// changes.
     pub(crate) fn same_light(&self, other: &Self) -> bool {
-        let colors = |it: &Self| Self { exposure: 0.0, filmic: false, ..it.clone() };
-        colors(self) == colors(other)
+        let light = |it: &Self| Self { exposure: 0.0, filmic: false, denoise: false, ..it.clone() };
+        light(self) == light(other)
     }
 }

@@ -1,6 +1,7 @@
 //! What a client and the engine share: what waits for either, and the last pictures.
 
 use crate::bell::Bell;
+use crate::denoise::{Denoised, Guides};
 use crate::message::{FrameHeader, Request};
 use crate::outbox::Outbox;
 use crate::settings::Settings;
@@ -43,6 +44,8 @@ pub enum SaveError {
     Nothing,
     #[error("the picture is a preview; it can be saved once it is refined")]
     Preview,
+    #[error("the picture is not denoised yet")]
+    Noisy,
     #[error("the viewer has ended")]
     Ended,
     #[error("{problem}")]
@@ -69,6 +72,8 @@ pub(crate) struct Kept {
     /// Number of the change since which the picture is of this camera and these settings.
     pub(crate) version: u64,
     pub(crate) settings: Settings,
+    /// Present if the picture is to be denoised.
+    pub(crate) guides: Option<Arc<Guides>>,
 }
 
 /// What client and engine share.
@@ -77,6 +82,8 @@ pub(crate) struct Shared {
     pub(crate) outbox: Outbox,
     inbox: Mutex<VecDeque<Ask>>,
     kept: Mutex<[Option<Kept>; 2]>,
+    /// The last denoised picture of each side.
+    denoised: Mutex<[Option<Denoised>; 2]>,
     closed: AtomicBool,
     /// Microseconds that the last picture took to be encoded.
     encoding: AtomicU64,
@@ -96,6 +103,7 @@ impl Shared {
             outbox: Outbox::default(),
             inbox: Mutex::default(),
             kept: Mutex::default(),
+            denoised: Mutex::default(),
             closed: AtomicBool::new(false),
             encoding: AtomicU64::new(0),
             bell,
@@ -109,6 +117,24 @@ impl Shared {
     pub(crate) fn keep(&self, kept: Kept) {
         let side = kept.header.side as usize;
         lock(&self.kept)[side] = Some(kept);
+    }
+
+    /// Returns the denoised picture of what the last picture of a side shows; it may have fewer
+    /// samples.
+    pub(crate) fn denoised(&self, kept: &Kept) -> Option<Denoised> {
+        let side = kept.header.side as usize;
+        let denoised = lock(&self.denoised)[side].clone();
+        denoised.filter(|it| it.version == kept.version && kept.guides.is_some())
+    }
+
+    pub(crate) fn keep_denoised(&self, side: Side, denoised: Denoised) {
+        lock(&self.denoised)[side as usize] = Some(denoised);
+    }
+
+    /// Returns how long it took to denoise the last pictures of both sides, if they are shown.
+    pub(crate) fn denoising(&self) -> Duration {
+        let kept = lock(&self.kept).clone();
+        kept.iter().flatten().filter_map(|kept| Some(self.denoised(kept)?.time)).sum()
     }
 
     /// Returns how long it took to encode the last picture.

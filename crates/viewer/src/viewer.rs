@@ -2,6 +2,7 @@
 
 use crate::board::Board;
 use crate::content::Content;
+use crate::denoise::Denoise;
 use crate::engine::Engine;
 use crate::place::Place;
 use crate::session::Session;
@@ -53,19 +54,22 @@ impl Viewer {
     /// until the new one is there.
     #[must_use]
     pub fn open(load: impl FnMut() -> Result<Content, String> + Send + 'static) -> Self {
-        Self::open_watching(Vec::new(), load)
+        Self::open_with(Vec::new(), None, load)
     }
 
     /// Does the same, and watches `files` until the scene has been loaded once: if it cannot be, it
     /// is tried again when one of them changes. Afterwards the files of the content are watched.
+    ///
+    /// With a `denoiser`, clients may set [`crate::Settings::denoise`].
     #[must_use]
-    pub fn open_watching(
+    pub fn open_with(
         files: Vec<PathBuf>,
+        denoiser: Option<Arc<dyn Denoise>>,
         load: impl FnMut() -> Result<Content, String> + Send + 'static,
     ) -> Self {
         let board = Arc::new(Board::default());
         board.set_loading("reading the scene");
-        let engine = Engine::new(Arc::clone(&board));
+        let engine = Engine::new(Arc::clone(&board), denoiser);
         thread::spawn(move || engine.run());
         let own = Arc::clone(&board);
         thread::spawn(move || load_and_watch(&own, files, load));

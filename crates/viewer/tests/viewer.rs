@@ -203,7 +203,7 @@ fn a_movement_is_shown_by_a_preview_that_names_it() {
     });
     assert!(preview.preview && preview.samples == 1, "{preview:?}");
     assert_eq!(moved.epoch, state.epoch, "a movement shows the same thing");
-    session.request(Request::Release);
+    session.request(Request::Release {});
     let frame = wait_for(&session, "finished picture", |output| match output {
         Output::Frame(frame) if frame.header.samples == 8 && frame.header.input == 5 => {
             Some(frame.clone())
@@ -362,6 +362,46 @@ fn two_clients_have_a_camera_each() {
 }
 
 #[test]
+fn a_new_client_does_not_wait_until_all_others_have_had_their_turn() {
+    let viewer = open();
+    let many: Vec<Session> = (0..12).map(|_| viewer.connect()).collect();
+    for session in &many {
+        session.request(Request::Size { width: 300, height: 200, keep_aspect: false });
+        session.request(Request::Settings { settings: Settings { samples: 100_000, ..few() } });
+    }
+    wait_for_event(&many[11], "refinement", |event| match event {
+        Event::Status(status) => (status.activity == Activity::Refining).then_some(()),
+        _ => None,
+    });
+    let start = Instant::now();
+    let session = connect(&viewer);
+    wait_for(&session, "picture", |output| matches!(output, Output::Frame(_)).then_some(()));
+    // A turn of each takes 0.3 s.
+    assert!(start.elapsed() < Duration::from_millis(1800), "it takes {:?}", start.elapsed());
+}
+
+#[test]
+fn an_upright_picture_shows_all_that_a_camera_of_the_scene_frames() {
+    let viewer = open();
+    let session = viewer.connect();
+    let camera_at = |width, height| {
+        session.request(Request::Size { width, height, keep_aspect: false });
+        wait_for_state(&session, |state| state.width == width).camera
+    };
+    let lens = Camera::default().lens;
+    let upright = camera_at(30, 60);
+    assert_eq!((upright.aspect, upright.lens), (0.5, lens / 2.0), "1.5 times as wide as high");
+    let turned = camera_at(60, 30);
+    assert_eq!((turned.aspect, turned.lens), (2.0, lens / 2.0), "the camera is the client's now");
+    let own = CameraText { lens, ..turned };
+    session.request(Request::Camera { camera: own.clone() });
+    wait_for_state(&session, |state| state.camera == own);
+    session.request(Request::SceneCamera { index: 1 });
+    let side = wait_for_state(&session, |state| state.camera.name == "side").camera;
+    assert_eq!((side.aspect, side.lens), (2.0, lens / (2.0 / 1.5)), "wider than the scene's");
+}
+
+#[test]
 fn a_changed_file_is_loaded_again_and_a_broken_one_keeps_the_picture() {
     let path: PathBuf = std::env::temp_dir().join(format!("rotund-viewer-{}", std::process::id()));
     fs::write(&path, "0.5").expect("written");
@@ -410,7 +450,7 @@ fn a_scene_that_is_mended_after_the_first_loading_failed_is_shown() {
     let path = std::env::temp_dir().join(format!("rotund-viewer-mended-{}", std::process::id()));
     fs::write(&path, "broken").expect("written");
     let file = path.clone();
-    let viewer = Viewer::open_watching(vec![path.clone()], move || {
+    let viewer = Viewer::open_with(vec![path.clone()], None, move || {
         match fs::read_to_string(&file).expect("a file").as_str() {
             "broken" => Err("the scene is broken".to_owned()),
             _ => Ok(content()),

@@ -16,13 +16,14 @@ mod reach;
 pub(crate) type Check = fn(&Path, &Chromium) -> Result<()>;
 
 /// All checks with their names.
-pub(crate) const ALL: [(&str, Check); 19] = [
+pub(crate) const ALL: [(&str, Check); 20] = [
     ("a picture comes and is finished", picture::comes),
     ("each check box changes the picture, and back", picture::boxes),
     ("the wipe shows vanilla left and enhanced right", picture::wipe),
     ("views, exposure and background change the picture", picture::views),
     ("the saved PNG has the pixels that are shown", picture::save),
     ("the command of a long render makes the same picture", picture::command),
+    ("noise is removed beside the plain picture, or the page says why not", picture::denoise),
     ("a drag orbits, a right drag pans, the wheel zooms", camera::mouse),
     ("fingers orbit, pan and zoom", camera::fingers),
     ("a double click focuses; lens, cameras and frame all", camera::controls),

@@ -2,10 +2,10 @@
 
 use super::{after, after_setting, open};
 use crate::chromium::Chromium;
+use crate::page::Page;
 use crate::viewer::Viewer;
 use anyhow::{Context as _, Result, bail, ensure};
 use base64::Engine as _;
-use serde_json::json;
 use std::path::Path;
 use std::process::Command;
 use std::thread::sleep;
@@ -116,17 +116,67 @@ pub(super) fn save(program: &Path, chromium: &Chromium) -> Result<()> {
         ensure!(bytes.starts_with(start), "{name} is no such file");
         std::fs::remove_file(&path)?;
         if name == "picture.png" {
-            let text = base64::engine::general_purpose::STANDARD.encode(&bytes);
-            let url = json!(format!("data:image/png;base64,{text}"));
-            let decode = format!(
-                "differing(new Blob([Uint8Array.from(atob({url}.split(',')[1]), \
-                 (c) => c.charCodeAt(0))], {{ type: 'image/png' }}))"
-            );
-            let count = page.number(&decode)?;
+            let count = differing(&page, &bytes)?;
             ensure!(count == 0.0, "{count} pixels of the PNG differ from those that are shown");
         }
     }
     Ok(())
+}
+
+pub(super) fn denoise(program: &Path, chromium: &Chromium) -> Result<()> {
+    let viewer = Viewer::start(program, "shapes4")?;
+    let page = open(chromium, &viewer, 4)?;
+    if page.evaluate("find('settings').elements.denoise.disabled")? == true {
+        let named = std::env::var_os("ROTUND_OIDN").is_some_and(|name| !name.is_empty());
+        let why = page.string("find('denoise-text').textContent")?;
+        ensure!(!named, "the library that ROTUND_OIDN names is not used: {why}");
+        ensure!(why.contains("Open Image Denoise") && why.ends_with('.'), "the page says {why:?}");
+        ensure!(page.evaluate("find('denoise-text').checkVisibility()")? == true, "it is hidden");
+        return Ok(());
+    }
+    let plain = page.number("hash()")?;
+    let click = || page.click(page.middle("[name=denoise]")?);
+    click()?;
+    let is_denoised = "isDone() && rotundStatistics.shown.chosen.denoised";
+    // On a busy machine the library takes many seconds.
+    let patience = Duration::from_secs(120);
+    page.wait_for("a denoised picture", is_denoised, patience)?;
+    let denoised = page.number("hash()")?;
+    ensure!(denoised != plain, "the denoised picture has its noise");
+    ensure!(page.evaluate("find('denoised').checkVisibility()")? == true, "it is not said");
+    let mut sizes = Vec::new();
+    for (file, name, is_shown) in
+        [("denoised.png", "shapes4.denoised.png", true), ("picture.png", "shapes4.png", false)]
+    {
+        page.evaluate(&format!("document.querySelector('[data-save=\"{file}\"]').click()"))?;
+        let path = chromium.downloads.path().join(name);
+        let bytes = downloaded(&path)?;
+        std::fs::remove_file(&path)?;
+        let count = differing(&page, &bytes)?;
+        ensure!((count == 0.0) == is_shown, "{name}: {count} pixels differ from those shown");
+        sizes.push(bytes.len());
+    }
+    ensure!(sizes[0] < sizes[1], "the denoised PNG has {} bytes, the plain {}", sizes[0], sizes[1]);
+    click()?;
+    page.wait("a plain picture", "isDone() && !rotundStatistics.shown.chosen.denoised")?;
+    ensure!(page.number("hash()")? == plain, "the plain picture has changed");
+    ensure!(page.evaluate("find('denoised').hidden")? == true, "it is said of the plain picture");
+    // While moving, pictures are plain, and the denoised one follows.
+    click()?;
+    page.drag(page.middle("#picture")?, [9.0, 3.0], 12)?;
+    page.wait_for("another picture", is_denoised, patience)?;
+    let moved = page.number("hash()")?;
+    ensure!(moved != plain && moved != denoised, "the picture is that of before");
+    Ok(())
+}
+
+/// Returns how many of the pixels of a PNG differ from those that are shown.
+fn differing(page: &Page, png: &[u8]) -> Result<f64> {
+    let text = base64::engine::general_purpose::STANDARD.encode(png);
+    page.number(&format!(
+        "differing(new Blob([Uint8Array.from(atob('{text}'), (c) => c.charCodeAt(0))], \
+         {{ type: 'image/png' }}))"
+    ))
 }
 
 /// Returns the content of a file once it is whole.
@@ -159,11 +209,7 @@ pub(super) fn command(program: &Path, chromium: &Chromium) -> Result<()> {
     let message = String::from_utf8_lossy(&render.stderr);
     ensure!(render.status.success(), "{line}: {message}");
     let bytes = std::fs::read(folder.path().join("shapes4.png"))?;
-    let text = base64::engine::general_purpose::STANDARD.encode(&bytes);
-    let count = page.number(&format!(
-        "differing(new Blob([Uint8Array.from(atob('{text}'), (c) => c.charCodeAt(0))], \
-         {{ type: 'image/png' }}))"
-    ))?;
+    let count = differing(&page, &bytes)?;
     ensure!(count == 0.0, "{count} pixels of the render differ from those that are shown ({line})");
     Ok(())
 }

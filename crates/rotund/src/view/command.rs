@@ -12,8 +12,8 @@ pub(super) fn kinds(settings: &Settings) -> Vec<Kind> {
 }
 
 /// Returns the options that make this picture, quoted for a shell; those that are the default are
-/// left out.
-pub(super) fn arguments(snapshot: &Snapshot) -> String {
+/// left out. `is_lone`: the scene is the file of a shape by itself, whose floor is shown.
+pub(super) fn arguments(snapshot: &Snapshot, is_lone: bool) -> String {
     let Snapshot { ref options, ref settings, .. } = *snapshot;
     let Options { width, height, bounces, seed, ref sequence, view, clamp, transparent, .. } =
         *options;
@@ -42,6 +42,8 @@ pub(super) fn arguments(snapshot: &Snapshot) -> String {
     }
     add(view != View::default(), format!("--view {view}"));
     add(transparent, "--transparent".to_owned());
+    add(transparent && is_lone, "--floor".to_owned());
+    add(settings.denoise, "--denoise".to_owned());
     words.join(" ")
 }
 

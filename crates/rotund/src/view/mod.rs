@@ -16,13 +16,15 @@ use std::env;
 use std::ffi::{OsStr, OsString};
 use std::io::ErrorKind;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
 mod assets;
 mod command;
+mod connections;
 mod guard;
+mod remover;
 mod save;
 mod server;
 mod shared;
@@ -73,8 +75,18 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let name =
         Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let render = render_command(&args, &name);
+    // Built-in scenes have no extension.
+    let extension = Path::new(&args.scene).extension();
+    let is_lone = extension.is_some_and(|it| !it.eq_ignore_ascii_case("json"));
     let (scene, loading) = (args.scene, args.loading);
-    let viewer = Viewer::open(move || content(&scene, &loading));
+    let (denoiser, without_denoiser) = match remover::load() {
+        Ok(denoiser) => (Some(denoiser), None),
+        Err(reason) => (None, Some(reason)),
+    };
+    // A file that is broken at first is read again when it is mended.
+    let path = PathBuf::from(&scene);
+    let files = if path.is_file() { vec![path] } else { Vec::new() };
+    let viewer = Viewer::open_with(files, denoiser, move || content(&scene, &loading));
     let url = url(address, guard.token());
     say(&url)?;
     if let Some(address) = args.listen.filter(|address| !address.is_loopback()) {
@@ -84,8 +96,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
              traffic learns the URL and can use it"
         ));
     }
-    let server =
-        Server { guard, viewer, scene: name.clone(), render, sessions: Sessions::default() };
+    let (scene, sessions) = (name.clone(), Sessions::default());
+    let server = Server { guard, viewer, scene, render, is_lone, without_denoiser, sessions };
     let thread = thread::Builder::new().name("server".to_owned());
     let running = thread.spawn(move || server::run(listener, server))?;
     if args.no_browser || !open_browser(&url) {

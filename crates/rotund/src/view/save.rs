@@ -38,6 +38,7 @@ type Encode = fn(&Server, &Session) -> Result<Vec<u8>>;
 fn encoder(file: &str) -> Option<(&'static str, Encode)> {
     Some(match file {
         "picture.png" => ("image/png", |_, session| Ok(session.png()?)),
+        "denoised.png" => ("image/png", |_, session| Ok(session.denoised_png()?)),
         "picture.exr" => ("image/x-exr", |_, session| Ok(session.exr()?)),
         "report.html" => ("text/html; charset=utf-8", report),
         "command" => ("text/plain; charset=utf-8", command_line),
@@ -79,5 +80,5 @@ fn command_line(server: &Server, session: &Session) -> Result<Vec<u8>> {
     let Some(chosen) = snapshots.iter().find(|it| it.side == Side::Chosen) else {
         bail!("there is no picture yet")
     };
-    Ok(format!("{} {}", server.render, command::arguments(chosen)).into_bytes())
+    Ok(format!("{} {}", server.render, command::arguments(chosen, server.is_lone)).into_bytes())
 }

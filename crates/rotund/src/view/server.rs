@@ -1,14 +1,13 @@
 //! The server: the page, its sockets, and files to keep.
 
+use super::connections::{self, Ticket};
 use super::guard::{Guard, HEADERS, Refusal};
 use super::shared::{Server, plain};
 use super::{assets, save, socket};
 use anyhow::{Context as _, Result};
-use axum::Router;
-use axum::extract::{FromRequestParts as _, Request, State, WebSocketUpgrade};
+use axum::extract::{FromRequestParts as _, Request, WebSocketUpgrade};
 use axum::http::{Method, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
-use axum::serve::ListenerExt as _;
 use rotund_trace::View;
 use serde_json::json;
 use std::net::TcpListener;
@@ -27,22 +26,22 @@ pub(super) fn run(listener: TcpListener, server: Server) -> Result<()> {
         .context("cannot start the server")?;
     runtime.block_on(async {
         listener.set_nonblocking(true)?;
-        let listener = tokio::net::TcpListener::from_std(listener)?.tap_io(|connection| {
-            // Small messages must not wait for more.
-            let _ = connection.set_nodelay(true);
-        });
-        let router = Router::new().fallback(answer).with_state(Arc::new(server));
-        Ok(axum::serve(listener, router).await?)
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        let server = Arc::new(server);
+        let answer = move |request, ticket| answer(Arc::clone(&server), request, ticket);
+        connections::accept(listener, answer).await;
+        Ok(())
     })
 }
 
-async fn answer(State(server): State<Arc<Server>>, request: Request) -> Response {
+async fn answer(server: Arc<Server>, request: Request, ticket: Arc<Ticket>) -> Response {
     let mut response = match server.guard.pass(request.uri().path(), request.headers()) {
         Err(refusal) => refuse(refusal),
         Ok(_) if request.method() != Method::GET => {
             plain(StatusCode::METHOD_NOT_ALLOWED, "Only GET is answered.\n")
         }
         Ok(rest) => {
+            ticket.admit();
             let rest = rest.to_owned();
             route(server, &rest, request).await
         }
@@ -84,18 +83,25 @@ async fn upgrade(server: Arc<Server>, request: Request) -> Response {
             let reason = "16 pages of this viewer are open: close one of them";
             return socket::refuse(opened, reason).await;
         };
-        socket::serve(opened, session, greeting(number)).await;
+        let greeting = greeting(number, server.without_denoiser.as_deref());
+        socket::serve(opened, session, greeting).await;
         server.sessions.remove(number);
     })
 }
 
-/// Returns the first message of a socket: the number of the session, for files to keep, and the
-/// views.
-fn greeting(session: u64) -> String {
+/// Returns the first message of a socket: the number of the session, for files to keep, the views,
+/// and why noise cannot be removed, if it cannot.
+fn greeting(session: u64, without_denoiser: Option<&str>) -> String {
     let views = View::ALL.map(|view| [view.name(), view.description()]);
     let program = concat!("rotund ", env!("CARGO_PKG_VERSION"));
-    json!({ "type": "greeting", "program": program, "session": session, "views": views })
-        .to_string()
+    json!({
+        "type": "greeting",
+        "program": program,
+        "session": session,
+        "views": views,
+        "without_denoiser": without_denoiser,
+    })
+    .to_string()
 }
 
 fn refuse(refusal: Refusal) -> Response {

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pages that are open at once.
 const MOST_SESSIONS: usize = 16;
+
 /// What all requests share.
 #[derive(Debug)]
 pub(super) struct Server {
@@ -19,6 +20,10 @@ pub(super) struct Server {
     pub(super) scene: String,
     /// The command line of a render of the same scene, without camera and settings.
     pub(super) render: String,
+    /// Whether the scene is the file of a shape by itself.
+    pub(super) is_lone: bool,
+    /// Why noise cannot be removed, if it cannot.
+    pub(super) without_denoiser: Option<String>,
     pub(super) sessions: Sessions,
 }
 

@@ -25,6 +25,10 @@ pub(super) const CUT_OFF: usize = 1 << 20;
 const MESSAGES_PER_SECOND: u32 = 500;
 /// A page that does not take a message for this long has gone.
 const PATIENCE: Duration = Duration::from_secs(20);
+/// Time after which a page is asked whether it is still there, if there is nothing to send.
+const QUIET: Duration = Duration::from_secs(10);
+/// A page of which nothing has come for this long has gone: a browser answers by itself.
+const SILENCE: Duration = Duration::from_secs(30);
 /// How soon the thread of a session notices that its page has gone.
 const ATTENTION: Duration = Duration::from_millis(200);
 
@@ -79,8 +83,11 @@ async fn write(
 ) {
     let mut message = Message::text(greeting);
     while let Ok(Ok(())) = timeout(PATIENCE, down.send(message)).await {
-        let Some(next) = outputs.recv().await else { return };
-        message = next;
+        message = match timeout(QUIET, outputs.recv()).await {
+            Ok(Some(next)) => next,
+            Ok(None) => return,
+            Err(_) => Message::Ping(Default::default()),
+        };
     }
 }
 
@@ -91,7 +98,7 @@ async fn read(
     replies: &Sender<Message>,
 ) -> Option<CloseFrame> {
     let (mut second, mut count) = (Instant::now(), 0);
-    while let Some(Ok(message)) = up.next().await {
+    while let Ok(Some(Ok(message))) = timeout(SILENCE, up.next()).await {
         if second.elapsed() >= Duration::from_secs(1) {
             (second, count) = (Instant::now(), 0);
         }

@@ -2,5 +2,8 @@
 //! nobody can make it fail.
 
 mod access;
+#[cfg(unix)]
+mod commands;
+mod connections;
 mod messages;
 mod viewer;

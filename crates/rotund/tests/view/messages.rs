@@ -19,6 +19,12 @@ fn what_is_no_request_is_answered_by_a_sentence_and_the_socket_stays_open() {
         ("another type", r#"{"type":"format-disk"}"#),
         ("no type", r#"{"width":3}"#),
         ("a field too much", r#"{"type":"grab","at":[0,0],"now":true}"#),
+        ("a field where there is none", r#"{"type":"release","now":1}"#),
+        ("another where there is none", r#"{"type":"frame-all","at":[0,0]}"#),
+        ("one of a movement", r#"{"type":"move","orbit":[0,0],"roll":1}"#),
+        ("one of a camera", r#"{"type":"camera","camera":{"fov":1}}"#),
+        ("one of settings", r#"{"type":"settings","settings":{"sample":1}}"#),
+        ("a field twice", r#"{"type":"scene-camera","index":0,"index":0}"#),
         ("a text for a number", r#"{"type":"size","width":"a","height":1,"keep_aspect":true}"#),
         ("no size", r#"{"type":"size","width":0,"height":0,"keep_aspect":true}"#),
         ("a camera that is NaN", r#"{"type":"camera","camera":{"lens":NaN}}"#),
@@ -47,6 +53,23 @@ fn what_is_no_request_is_answered_by_a_sentence_and_the_socket_stays_open() {
     }
     socket.send(Message::text(r#"{"type":"frame-all"}"#)).expect("an open socket");
     wait_for(&mut socket, r#""activity":"refining""#);
+}
+
+#[test]
+fn a_viewer_without_a_denoiser_says_why_and_takes_the_other_settings() {
+    let viewer = Viewer::start(&[]);
+    let mut socket = viewer.socket();
+    let greeting = wait_for(&mut socket, "greeting");
+    assert!(
+        greeting.contains("Open Image Denoise") && greeting.contains("ROTUND_OIDN"),
+        "{greeting}"
+    );
+    socket.send(Message::text(SIZE)).expect("an open socket");
+    let settings = r#"{"type":"settings","settings":{"denoise":true,"seed":5}}"#;
+    socket.send(Message::text(settings)).expect("an open socket");
+    wait_for(&mut socket, r#""type":"problem""#);
+    let state = wait_for(&mut socket, r#""seed":5"#);
+    assert!(state.contains(r#""denoise":false"#), "{state}");
 }
 
 #[test]
@@ -106,16 +129,10 @@ fn there_are_sixteen_pages_and_room_again_when_one_closes() {
 #[test]
 fn a_client_that_does_not_read_does_not_fill_memory() {
     let viewer = Viewer::start(&[]);
-    let memory = || {
-        let path = format!("/proc/{}/status", viewer.process.id());
-        let text = std::fs::read_to_string(path).expect("it runs");
-        let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a line");
-        line.split_whitespace().next().expect("a number").parse::<u64>().expect("a number") / 1024
-    };
     let mut socket = viewer.socket();
     socket.send(Message::text(SIZE.replace("60", "1200").replace("40", "800"))).expect("open");
     wait_for(&mut socket, r#""activity":"refining""#);
-    let before = memory();
+    let before = viewer.memory();
     let start = Instant::now();
     let mut turn = 0.0;
     while start.elapsed() < Duration::from_secs(6) {
@@ -131,7 +148,7 @@ fn a_client_that_does_not_read_does_not_fill_memory() {
         }
         std::thread::sleep(Duration::from_millis(15));
     }
-    let after = memory();
+    let after = viewer.memory();
     assert!(after < before + 60, "{before} MB before, {after} MB after");
     wait_for(&mut viewer.socket(), "greeting");
 }

@@ -2,6 +2,8 @@
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
+#[cfg(unix)]
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
@@ -18,14 +20,21 @@ pub(crate) struct Viewer {
     pub(crate) process: Child,
     pub(crate) port: u16,
     pub(crate) token: String,
-    _folder: tempfile::TempDir,
+    /// The folder that it was started in.
+    pub(crate) folder: tempfile::TempDir,
 }
 
 pub(crate) fn start(folder: &tempfile::TempDir, arguments: &[&str]) -> Child {
+    start_with(folder, "ball.ply", arguments)
+}
+
+fn start_with(folder: &tempfile::TempDir, scene: &str, arguments: &[&str]) -> Child {
     std::fs::write(folder.path().join("ball.ply"), BALL).expect("a shape file");
     Command::new(env!("CARGO_BIN_EXE_rotund"))
         .current_dir(folder.path())
-        .args(["view", "ball.ply", "--no-browser"])
+        .args(["view", scene, "--no-browser"])
+        // Whether there is a denoiser must not depend on the machine.
+        .env("ROTUND_OIDN", "/nowhere/libOpenImageDenoise.so")
         .args(arguments)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -35,18 +44,31 @@ pub(crate) fn start(folder: &tempfile::TempDir, arguments: &[&str]) -> Child {
 
 impl Viewer {
     pub(crate) fn start(arguments: &[&str]) -> Self {
+        Self::of("ball.ply", arguments)
+    }
+
+    pub(crate) fn of(scene: &str, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let mut process = start(&folder, arguments);
+        let mut process = start_with(&folder, scene, arguments);
         let mut url = String::new();
         let mut out = BufReader::new(process.stdout.take().expect("a pipe"));
         out.read_line(&mut url).expect("an address");
         let rest = url.trim().strip_prefix("http://127.0.0.1:").expect("a loopback address");
         let (port, token) = rest.trim_end_matches('/').split_once('/').expect("a token");
         let (port, token) = (port.parse().expect("a port"), token.to_owned());
-        Self { process, port, token, _folder: folder }
+        Self { process, port, token, folder }
     }
 
-    fn connect(&self) -> TcpStream {
+    /// Returns the memory that it holds in MB.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn memory(&self) -> u64 {
+        let path = format!("/proc/{}/status", self.process.id());
+        let text = std::fs::read_to_string(path).expect("it runs");
+        let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a line");
+        line.split_whitespace().next().expect("a number").parse::<u64>().expect("a number") / 1024
+    }
+
+    pub(crate) fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).expect("it listens");
         stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a limit");
         stream
@@ -54,16 +76,24 @@ impl Viewer {
 
     /// Sends a request as it is written, with `Connection: close`, and returns the whole answer.
     pub(crate) fn send(&self, line: &str, headers: &str) -> String {
+        String::from_utf8_lossy(&self.send_for_bytes(line, headers)).into_owned()
+    }
+
+    fn send_for_bytes(&self, line: &str, headers: &str) -> Vec<u8> {
         let mut stream = self.connect();
         let request = format!("{line} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n");
         stream.write_all(request.as_bytes()).expect("it reads");
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).expect("it answers");
-        String::from_utf8_lossy(&answer).into_owned()
+        answer
     }
 
     pub(crate) fn get(&self, path: &str) -> String {
         self.send(&format!("GET {path}"), &format!("Host: localhost:{}\r\n", self.port))
+    }
+
+    pub(crate) fn get_bytes(&self, path: &str) -> Vec<u8> {
+        self.send_for_bytes(&format!("GET {path}"), &format!("Host: localhost:{}\r\n", self.port))
     }
 
     /// Returns the request of the page for its socket.
@@ -140,6 +170,18 @@ pub(crate) fn closed(socket: &mut WebSocket<TcpStream>) -> CloseFrame {
             Err(error) => panic!("closed without a reason: {error}"),
         }
     }
+}
+
+#[cfg(unix)]
+/// Runs a command line of the program in a folder, as a person does who pastes it.
+#[track_caller]
+pub(crate) fn shell(folder: &Path, line: &str) {
+    let rest = line.strip_prefix("rotund ").expect("a command of the program");
+    let line = format!("'{}' {rest}", env!("CARGO_BIN_EXE_rotund"));
+    let output = Command::new("sh").current_dir(folder).arg("-c").arg(&line).output();
+    let output = output.expect("a shell");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {message}");
 }
 
 pub(crate) fn free_port() -> String {

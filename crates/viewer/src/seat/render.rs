@@ -1,6 +1,7 @@
 //! Rendering for one client: previews, samples at full size, and what it is told of them.
 
 use super::{Phase, Seat};
+use crate::denoise::Guides;
 use crate::message::{Activity, Event, FrameHeader, Status};
 use crate::place::Place;
 use crate::shared::{Kept, Shared};
@@ -20,17 +21,26 @@ const STEP: f64 = 4.0;
 /// Least time between two pictures of a refinement.
 const PUBLISH: Duration = Duration::from_millis(200);
 /// Pictures come the more rarely the longer they are refined, since each changes less: this part of
-/// the time goes by between two of them.
-const RARER: u32 = 4;
+/// the time goes by between two of them, so that samples double from one to the next.
+const RARER: u32 = 1;
 /// Longest time between two pictures that take less than a sixteenth of it.
 const RAREST: Duration = Duration::from_secs(4);
-/// Longest time between two reports.
+/// Longest time between two reports, and the part of the time that goes by before.
 const REPORT: Duration = Duration::from_millis(1000);
+const RARER_REPORTS: u32 = 4;
 /// Least time between two pictures, in times that it takes to make one from the film and to encode
 /// it: samples must not wait for pictures.
 const PUBLISH_COST: u32 = 16;
+/// The same for the removal of noise, which takes longer than all else.
+const DENOISE_COST: u32 = 3;
 /// Time of a slice if both sides of a comparison, or several clients, take turns.
 const TURN: Duration = Duration::from_millis(300);
+
+/// Returns what is known of the pixels of a picture, whose camera is the last one.
+fn guides(world: &World<'_>, options: &Options) -> Result<Guides, RenderError> {
+    let layers = world.layers(world.scene().cameras.len() - 1, options)?;
+    Ok(Guides { albedo: layers.albedo, normal: layers.normal })
+}
 
 impl Seat {
     /// Renders for a while: one preview, or samples at full size until `interrupted` says so. If
@@ -116,7 +126,10 @@ impl Seat {
         let sides = self.sides();
         let samples =
             |seat: &Self, side: Side| seat.films[side as usize].as_ref().map_or(0, Film::samples);
-        let side = sides.iter().copied().min_by_key(|&side| samples(self, side));
+        let side = sides.iter().copied().min_by_key(|&side| {
+            // Of finished films, one that has not been denoised.
+            (samples(self, side), !self.lacks_guides(side))
+        });
         let side = side.unwrap_or(Side::Chosen);
         let compared = sides.len() > 1;
         // Both sides of a comparison keep step, so that they are equally noisy.
@@ -136,18 +149,20 @@ impl Seat {
             let over = (!alone || compared) && whole && progress.elapsed >= TURN;
             let stop = self.is_interrupted(&world, interrupted) || over;
             if whole && !stop && self.is_due() {
-                self.publish_film(side, progress.film);
+                self.publish_film(side, progress.film, &world, &options);
             }
             self.report(progress.film.samples(), Activity::Refining);
             if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         let now = film.samples();
         if now >= goal && (compared || now >= full.samples) && result.is_ok() {
-            self.publish_film(side, &film);
+            self.publish_film(side, &film, &world, &options);
         }
         self.films[side as usize] = Some(film);
         result?;
-        if sides.iter().all(|&side| samples(self, side) >= full.samples) {
+        let is_done =
+            |&side: &Side| samples(self, side) >= full.samples && !self.lacks_guides(side);
+        if sides.iter().all(is_done) {
             self.phase = Phase::Done;
             self.told = None;
             self.report(samples(self, Side::Chosen), Activity::Done);
@@ -166,7 +181,10 @@ impl Seat {
     /// Returns true if a new picture of the film may be shown.
     fn is_due(&self) -> bool {
         self.published.is_none_or(|(when, cost)| {
-            let pause = (cost + self.shared.encoding()) * PUBLISH_COST;
+            let mut pause = (cost + self.shared.encoding()) * PUBLISH_COST;
+            if self.settings.denoise {
+                pause += self.shared.denoising() * DENOISE_COST;
+            }
             let rarer = (self.progress_time() / RARER).min(RAREST);
             when.elapsed() >= PUBLISH.max(pause).max(rarer)
         })
@@ -177,7 +195,20 @@ impl Seat {
         self.progress.iter().map(|progress| progress.time).sum()
     }
 
-    fn publish_film(&mut self, side: Side, film: &Film) {
+    /// Whether a side is to be denoised and cannot be yet.
+    pub(super) fn lacks_guides(&self, side: Side) -> bool {
+        self.settings.denoise && self.guides[side as usize].is_none()
+    }
+
+    /// Publishes a film of what `world` is configured for.
+    fn publish_film(&mut self, side: Side, film: &Film, world: &World<'_>, options: &Options) {
+        if self.lacks_guides(side) {
+            let guides = guides(world, options).unwrap_or_else(|error| {
+                self.problem(format_args!("the picture cannot be denoised: {error}"));
+                Guides::default()
+            });
+            self.guides[side as usize] = Some(Arc::new(guides));
+        }
         let start = Instant::now();
         let image = film.image();
         if side == Side::Chosen {
@@ -220,11 +251,18 @@ impl Seat {
             height: image.height,
             samples,
             preview,
+            denoised: false,
             media: "image/png",
         };
         let (image, version, settings) = (Arc::new(image), self.version, self.settings.clone());
-        self.shared.keep(Kept { image, header, version, settings });
+        let guides = if preview { None } else { self.guides_of(side) };
+        self.shared.keep(Kept { image, header, version, settings, guides });
         self.publisher.add(&self.shared, side);
+    }
+
+    /// Returns the guides of a side if it is to be denoised.
+    fn guides_of(&self, side: Side) -> Option<Arc<Guides>> {
+        self.guides[side as usize].clone().filter(|_| self.settings.denoise)
     }
 
     /// Shows the last pictures in the colours of other settings.
@@ -233,14 +271,16 @@ impl Seat {
             let Some(mut kept) = self.shared.kept(side) else { continue };
             kept.header.epoch = self.epoch;
             kept.settings = self.settings.clone();
+            kept.guides = if kept.header.preview { None } else { self.guides_of(side) };
             self.shared.keep(kept);
             self.publisher.add(&self.shared, side);
+            self.publisher.repeat(&self.shared, side);
         }
     }
 
     /// Tells how far the picture is, a few times a second.
     fn report(&mut self, samples: u32, activity: Activity) {
-        let pause = PUBLISH.max(self.progress_time() / RARER).min(REPORT);
+        let pause = PUBLISH.max(self.progress_time() / RARER_REPORTS).min(REPORT);
         if self.told.is_some_and(|told| told.elapsed() < pause) {
             return;
         }

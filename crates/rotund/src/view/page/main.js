@@ -56,7 +56,7 @@ const connection = new Connection({
     hand.reset();
     inspector.reset();
     element("loading").hidden = true;
-    panel.showDisconnected();
+    panel.showNothing("Not connected");
     showNotice("connection", sentence, false);
   },
 });
@@ -80,6 +80,7 @@ function onEvent(event) {
     case "problem":
       element("loading").hidden = true;
       panel.revert();
+      if (!panel.state) panel.showNothing("No scene");
       return showNotice("problem", event.text, true);
     case "solved":
       return clearNotice("problem");
@@ -186,7 +187,7 @@ async function save(button) {
     if (!answer.ok) return showNotice("save", await answer.text(), true);
     const link = document.createElement("a");
     link.href = URL.createObjectURL(await answer.blob());
-    const extension = file.slice(file.lastIndexOf("."));
+    const extension = file.replace(/^(picture|report)/, "").replace("denoised", ".denoised");
     link.download = `${panel.state?.scene ?? "picture"}${extension}`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000);

@@ -51,12 +51,16 @@ export class Panel {
     element("pixels-row").hidden = !camera;
   }
 
-  greet({ program, views }) {
+  greet({ program, views, without_denoiser }) {
     element("program").textContent = program;
+    this.form.elements.denoise.disabled = without_denoiser !== null;
+    element("denoise-text").hidden = without_denoiser === null;
+    element("denoise-text").textContent = without_denoiser && sentence(without_denoiser);
     const select = this.form.elements.view;
     select.replaceChildren(...views.map(([name]) => new Option(name.replaceAll("-", " "), name)));
     this.views = new Map(views);
     if (this.#settings) this.#showSettings(this.#settings);
+    this.showNothing("Loading");
   }
 
   setState(state) {
@@ -118,8 +122,9 @@ export class Panel {
     this.#activity = activity;
   }
 
-  showDisconnected() {
-    element("activity").textContent = "Not connected";
+  /** There is no status: the connection is lost, or there is no scene. */
+  showNothing(why) {
+    element("activity").textContent = why;
     element("samples").textContent = "";
   }
 
@@ -161,6 +166,7 @@ export class Panel {
       background: elements.background.checked,
       exposure: Number(elements.exposure.value),
       filmic: elements.filmic.value !== "",
+      denoise: elements.denoise.checked,
     };
     for (const name of ["samples", "bounces", "seed"]) elements[name].value = settings[name];
     elements.clamp.value = settings.clamp ?? "";
@@ -177,7 +183,7 @@ export class Panel {
         control.value = value;
       }
     };
-    for (const name of [...KINDS, "wipe", "background", "overlap", "view", "samples", "bounces",
+    for (const name of [...KINDS, "wipe", "background", "denoise", "overlap", "view", "samples", "bounces",
       "seed", "exposure"]) {
       set(name, settings[name]);
     }
@@ -187,7 +193,8 @@ export class Panel {
     this.#describe(settings);
   }
 
-  #describe({ exposure, view }) {
+  #describe({ denoise, exposure, view }) {
+    element("save-denoised").hidden = !denoise;
     const sign = exposure > 0 ? "+" : "";
     element("exposure-text").textContent = `${sign}${exposure.toFixed(1)}`;
     element("view-text").textContent = this.views?.get(view) ?? "";
@@ -246,6 +253,10 @@ export class Panel {
 
 function element(name) {
   return document.getElementById(name);
+}
+
+function sentence(text) {
+  return `${text[0].toUpperCase()}${text.slice(1)}.`;
 }
 
 function time(seconds) {

@@ -96,6 +96,7 @@ export class Picture {
       this.#forget(header.side);
       this.#shown[header.side] = { bitmap, header };
       this.#draw();
+      document.getElementById("denoised").hidden = !header.denoised;
       drawn(header);
     } else {
       bitmap?.close();
