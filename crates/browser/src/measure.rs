@@ -4,7 +4,7 @@ use crate::chromium::Chromium;
 use crate::page::Page;
 use crate::spheres;
 use crate::viewer::Viewer;
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use rotund_report::console::{Table, say};
 use std::ffi::OsStr;
 use std::path::Path;
@@ -22,6 +22,12 @@ const REFINED: u32 = 24;
 const PAIRS: u64 = 5;
 /// How long the viewer is watched when it has nothing to do.
 const REST: Duration = Duration::from_secs(5);
+/// How long the hand moves between two rests, and how long it rests, while memory is watched.
+const STRETCH: Duration = Duration::from_millis(1200);
+const PAUSE: Duration = Duration::from_millis(300);
+/// Factor of the memory from a tenth of a drag to its end beyond which something piles up: room for
+/// buffers whose size depends on what the camera sees.
+const MOST_GROWTH: f64 = 1.08;
 
 /// Measures three scenes and prints a table, and then the memory of a longer drag.
 pub(crate) fn run(program: &Path, chromium: &Chromium, minutes: f64) -> Result<()> {
@@ -150,22 +156,37 @@ fn drag(page: &Page, time: Duration) -> Result<()> {
     page.mouse("mouseReleased", [x, y], "left")
 }
 
-/// Prints the memory of the viewer after a tenth of a long drag, and after all of it.
+/// Prints the memory of the viewer after a tenth of a long drag with rests, and after all of it;
+/// fails if it has grown.
 fn memory(program: &Path, chromium: &Chromium, minutes: f64) -> Result<()> {
     let viewer = Viewer::start(program, "shapes4")?;
     let page = chromium.open(&viewer.url)?;
     page.wait("a picture", "rotundStatistics.frames > 0")?;
     let time = Duration::from_secs_f64(60.0 * minutes);
-    drag(&page, time.mul_f64(0.1))?;
+    drag_and_rest(&page, time.mul_f64(0.1))?;
     let before = viewer.memory()?;
-    drag(&page, time.mul_f64(0.9))?;
+    drag_and_rest(&page, time.mul_f64(0.9))?;
     let after = viewer.memory()?;
     say(format!(
         "memory while dragging shapes4: {:.1} MB after {:.1} minutes, {:.1} MB after {minutes:.1}",
         before / 1e6,
         0.1 * minutes,
         after / 1e6
-    ))
+    ))?;
+    if after > before * MOST_GROWTH {
+        bail!("the memory of the viewer grows while it is dragged: it must stay the same");
+    }
+    Ok(())
+}
+
+/// Drags in circles with rests in between, so that refinements begin and are interrupted.
+fn drag_and_rest(page: &Page, time: Duration) -> Result<()> {
+    let start = Instant::now();
+    while start.elapsed() < time {
+        drag(page, STRETCH)?;
+        sleep(PAUSE);
+    }
+    Ok(())
 }
 
 fn numbers(page: &Page, expression: &str) -> Result<Vec<f64>> {

@@ -69,12 +69,14 @@ pub(crate) struct Seat {
     films: [Option<Film>; 2],
     /// Present for sides that have been denoised.
     guides: [Option<Arc<Guides>>; 2],
+    /// Films of before, for their memory.
+    spare: [Option<Film>; 2],
     published: Option<(Instant, Duration)>,
     told: Option<Instant>,
     progress: [Progress; 2],
     fireflies: u64,
     /// An earlier picture of the first film, and its samples.
-    earlier: Option<(Image, u32)>,
+    earlier: Option<(Arc<Image>, u32)>,
     noise: Option<f64>,
 }
 
@@ -96,6 +98,7 @@ impl Seat {
             speed: 2e5,
             films: [None, None],
             guides: [None, None],
+            spare: [None, None],
             published: None,
             told: None,
             progress: [Progress::default(); 2],
@@ -155,8 +158,8 @@ impl Seat {
     /// Starts another picture.
     fn restart(&mut self, place: Option<&Place>) {
         self.version += 1;
-        self.films = [None, None];
         self.guides = [None, None];
+        self.spare_films();
         self.progress = [Progress::default(); 2];
         self.earlier = None;
         self.noise = None;
@@ -278,6 +281,8 @@ impl Seat {
         }
         if (size, keep_aspect) != (self.asked, self.keep_aspect) {
             (self.asked, self.keep_aspect) = (size, keep_aspect);
+            // The memory of a large picture is not kept for a small one.
+            (self.films, self.spare) = ([None, None], [None, None]);
             self.jump(place);
         }
     }

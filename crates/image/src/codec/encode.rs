@@ -58,9 +58,11 @@ pub(super) fn encode_to(
     let plain = |error: ::image::ImageError| EncodeError { problem: one_line(&error.to_string()) };
     match format {
         Format::Png => {
-            let bytes: Vec<u8> = image.srgb_bytes().into_iter().flatten().collect();
+            let bytes = image.srgb_bytes();
             let encoder = PngEncoder::new(file);
-            encoder.write_image(&bytes, width, height, ExtendedColorType::Rgba8).map_err(plain)
+            encoder
+                .write_image(bytes.as_flattened(), width, height, ExtendedColorType::Rgba8)
+                .map_err(plain)
         }
         Format::Jpeg => {
             let rgb = |[r, g, b, _]: [u8; 4]| [r, g, b];

@@ -79,9 +79,26 @@ impl Film {
         Ok(Self::empty(FilmHeader::for_options(options))?)
     }
 
+    /// Makes a film as [`Self::for_options`] does, in the memory of this one where that is enough.
+    ///
+    /// A program that starts one picture after another asks for no memory then: allocators keep
+    /// some of what is given back to them, in other places each time.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::for_options`].
+    pub fn restart(self, options: &Options) -> Result<Self, RenderError> {
+        options.validate()?;
+        Ok(Self::empty_in(self.pixels, FilmHeader::for_options(options))?)
+    }
+
     fn empty(header: FilmHeader) -> Result<Self, FilmError> {
+        Self::empty_in(Vec::new(), header)
+    }
+
+    fn empty_in(memory: Vec<PixelSum>, header: FilmHeader) -> Result<Self, FilmError> {
         let FilmHeader { width, height, .. } = header;
-        let mut pixels = room(width, height)?;
+        let mut pixels = room_in(memory, width, height)?;
         pixels.resize(width as usize * height as usize, PixelSum::default());
         Ok(Self::from_pixels(header, pixels))
     }
@@ -236,14 +253,25 @@ const MOST_PIXELS: usize = 1 << 34;
 /// Returns an empty vector with room for something of each pixel, or an error if a side is zero or
 /// there is not enough memory.
 pub(crate) fn room<T>(width: u32, height: u32) -> Result<Vec<T>, FilmError> {
+    room_in(Vec::new(), width, height)
+}
+
+/// Does the same in the memory of another vector, which is freed first if it is too small.
+fn room_in<T>(mut memory: Vec<T>, width: u32, height: u32) -> Result<Vec<T>, FilmError> {
     if width == 0 || height == 0 {
         return Err(FilmError::Empty { width, height });
     }
-    let mut room = Vec::new();
+    memory.clear();
     let count = (width as usize).checked_mul(height as usize);
     match count.filter(|&count| count <= MOST_PIXELS) {
-        Some(count) if room.try_reserve_exact(count).is_ok() => Ok(room),
-        _ => Err(FilmError::TooLarge { width, height }),
+        Some(count) if count <= memory.capacity() => Ok(memory),
+        Some(count) => {
+            drop(memory);
+            let mut room = Vec::new();
+            let reserved = room.try_reserve_exact(count);
+            reserved.map(|()| room).map_err(|_| FilmError::TooLarge { width, height })
+        }
+        None => Err(FilmError::TooLarge { width, height }),
     }
 }
 
@@ -263,6 +291,23 @@ mod tests {
         add(&mut film, 1);
         assert_eq!((film.samples(), film.header().is_finished()), (2, true));
         assert_eq!([0, 1, 2].map(|x| film.samples_at(x, 0)), [Some(2), Some(2), None]);
+    }
+
+    #[test]
+    fn a_film_that_starts_again_is_a_new_one_in_the_same_memory() {
+        let options = |width, height, seed| Options { width, height, seed, ..Options::default() };
+        let mut film = Film::for_options(&options(30, 20, 1)).expect("a film");
+        let memory = film.pixels.as_ptr();
+        for next in [options(30, 20, 2), options(7, 5, 3), options(20, 30, 4)] {
+            film.accumulate(2, |x, _, _| Vec3::splat(1e20 * x as f32).into());
+            assert!(film.rejected() > 0);
+            film = film.restart(&next).expect("a film");
+            assert_eq!(film, Film::for_options(&next).expect("a film"));
+            assert_eq!(film.pixels.as_ptr(), memory);
+        }
+        let larger = options(31, 20, 1);
+        let film = film.restart(&larger).expect("a film");
+        assert_eq!(film, Film::for_options(&larger).expect("a film"));
     }
 
     #[test]

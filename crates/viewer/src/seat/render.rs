@@ -92,15 +92,15 @@ impl Seat {
         for &side in sides {
             self.configure(place, side)?;
             let world = place.world();
-            let mut film = Film::for_options(&small)?;
+            let mut film = self.new_film(side, &small)?;
             world.resume(&mut film, place.seat_camera(), &small, &mut |_| {
                 let stop = !first && self.is_interrupted(&world, interrupted);
                 if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
-            if film.samples() == 0 {
-                return Ok(());
-            }
-            images.push((side, film.image()));
+            let image = (film.samples() > 0).then(|| film.image());
+            self.spare[side as usize] = Some(film);
+            let Some(image) = image else { return Ok(()) };
+            images.push((side, Arc::new(image)));
         }
         let taken = f64::from(small.width) * f64::from(small.height) * sides.len() as f64;
         let speed = taken / start.elapsed().as_secs_f64().max(1e-6);
@@ -137,7 +137,7 @@ impl Seat {
         let goal = if compared { doubled } else { full.samples };
         let mut film = match self.films[side as usize].take() {
             Some(film) => film,
-            None => Film::for_options(&full)?,
+            None => self.new_film(side, &full)?,
         };
         self.configure(place, side)?;
         let world = place.world();
@@ -168,6 +168,26 @@ impl Seat {
             self.report(samples(self, Side::Chosen), Activity::Done);
         }
         Ok(())
+    }
+
+    /// Makes a film in the memory of one before: a hand that moves and rests for hours interrupts
+    /// thousands of pictures.
+    fn new_film(&mut self, side: Side, options: &Options) -> Result<Film, RenderError> {
+        match self.spare[side as usize].take() {
+            Some(film) => film.restart(options),
+            None => Film::for_options(options),
+        }
+    }
+
+    /// Ends the films in progress, and keeps the memory of those that are needed again.
+    pub(super) fn spare_films(&mut self) {
+        for (film, spare) in self.films.iter_mut().zip(&mut self.spare) {
+            if film.is_some() {
+                *spare = film.take();
+            }
+        }
+        let sides = self.sides().len();
+        self.spare[sides..].fill(None);
     }
 
     /// Returns true if rendering must stop. Questions about a point are answered on the way.
@@ -210,7 +230,7 @@ impl Seat {
             self.guides[side as usize] = Some(Arc::new(guides));
         }
         let start = Instant::now();
-        let image = film.image();
+        let image = Arc::new(film.image());
         if side == Side::Chosen {
             self.fireflies = film.fireflies();
             self.estimate_noise(&image, film.samples());
@@ -220,7 +240,7 @@ impl Seat {
     }
 
     /// Estimates the noise from how much a picture has changed since it had about half the samples.
-    fn estimate_noise(&mut self, image: &Image, samples: u32) {
+    fn estimate_noise(&mut self, image: &Arc<Image>, samples: u32) {
         if let Some((earlier, fewer)) = &self.earlier {
             if samples < 2 * fewer {
                 return;
@@ -238,10 +258,10 @@ impl Seat {
             let error = (square / count / ratio).sqrt();
             self.noise = Some(error / (sum / count)).filter(|noise| noise.is_finite());
         }
-        self.earlier = Some((image.clone(), samples));
+        self.earlier = Some((Arc::clone(image), samples));
     }
 
-    fn publish(&self, side: Side, image: Image, samples: u32, preview: bool) {
+    fn publish(&self, side: Side, image: Arc<Image>, samples: u32, preview: bool) {
         let header = FrameHeader {
             id: 0,
             epoch: self.epoch,
@@ -254,7 +274,7 @@ impl Seat {
             denoised: false,
             media: "image/png",
         };
-        let (image, version, settings) = (Arc::new(image), self.version, self.settings.clone());
+        let (version, settings) = (self.version, self.settings.clone());
         let guides = if preview { None } else { self.guides_of(side) };
         self.shared.keep(Kept { image, header, version, settings, guides });
         self.publisher.add(&self.shared, side);
