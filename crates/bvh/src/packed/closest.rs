@@ -1,7 +1,7 @@
 //! Closest-hit traversal of packed trees.
 
 use super::Packed;
-use super::exact::exact_t;
+use super::exact::{exact_hit, exact_t};
 use super::kernel::{Candidates, HasIds, Kernel, NO_ID};
 use super::method_tag::MethodTag;
 use crate::found::PrimitiveHit;
@@ -9,7 +9,7 @@ use crate::node::WIDTH;
 use crate::simd::{Simd, WithSimd};
 use crate::slab::{Scaling, SlabRay};
 use crate::traverse;
-use rotund_geometry::Ray;
+use rotund_geometry::{Hit, Ray};
 use std::marker::PhantomData;
 
 /// Finds the closest hit.
@@ -38,6 +38,9 @@ impl<P: Kernel, M: MethodTag> WithSimd for FindClosest<'_, P, M> {
         let best = visitor.best;
         if best.id == NO_ID {
             return None;
+        }
+        if let (true, Some(hit)) = (P::KEEP_HIT, best.hit) {
+            return Some(PrimitiveHit { id: best.id, hit });
         }
         let block = &self.packed.blocks[best.block];
         // A certain hit is one of the exact test.
@@ -69,11 +72,19 @@ struct Best {
     t: Option<f32>,
     /// Lower bound on the parameter of the hit.
     near: f32,
+    /// The hit, where [`Kernel::KEEP_HIT`] is set.
+    hit: Option<Hit>,
 }
 
 impl Best {
-    const NONE: Self =
-        Self { id: NO_ID, block: 0, lane: 0, t: Some(f32::INFINITY), near: f32::INFINITY };
+    const NONE: Self = Self {
+        id: NO_ID,
+        block: 0,
+        lane: 0,
+        t: Some(f32::INFINITY),
+        near: f32::INFINITY,
+        hit: None,
+    };
 }
 
 impl<'a, P: Kernel, M: MethodTag> ClosestVisitor<'a, P, M> {
@@ -163,7 +174,7 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
                 continue;
             }
             if certain >> lane & 1 == 1 && far[lane] < self.best.near {
-                self.best = Best { id, block: index, lane, t: None, near: near[lane] };
+                self.best = Best { id, block: index, lane, t: None, near: near[lane], hit: None };
                 limit = Scaling::beyond(far[lane]);
                 continue;
             }
@@ -181,10 +192,16 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
                     t
                 }
             };
-            if let Some(t) = self.exact(simd, index, lane)
+            let (t, hit) = if P::KEEP_HIT {
+                let hit = exact_hit::<S, P, M>(simd, block, lane, self.ray);
+                (hit.map(|hit| hit.t), hit)
+            } else {
+                (self.exact(simd, index, lane), None)
+            };
+            if let Some(t) = t
                 && (t < best_t || (t == best_t && id < self.best.id))
             {
-                self.best = Best { id, block: index, lane, t: Some(t), near: self.near(t) };
+                self.best = Best { id, block: index, lane, t: Some(t), near: self.near(t), hit };
                 limit = self.scaling.limit(t);
             }
         }

@@ -29,6 +29,7 @@ impl Kernel for RoundedCone {
     type Vanilla = vanilla::Line;
     type Block = Block<8>;
     const OUTLINE_EXACT_TEST: bool = true;
+    const KEEP_HIT: bool = true;
     const OUTLINE_LEAF: bool = false;
     type LeafRay = RoundRay;
 

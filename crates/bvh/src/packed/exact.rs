@@ -3,7 +3,7 @@
 use super::kernel::Kernel;
 use super::method_tag::MethodTag;
 use crate::simd::{Simd, WithSimd};
-use rotund_geometry::Ray;
+use rotund_geometry::{Hit, Ray};
 use std::marker::PhantomData;
 
 /// The exact `t` of the primitive in a lane.
@@ -16,6 +16,34 @@ pub(crate) fn exact_t<S: Simd, P: Kernel, M: MethodTag>(
 ) -> Option<f32> {
     let task = ExactT::<P, M> { block, lane, ray, method: PhantomData };
     if P::OUTLINE_EXACT_TEST { simd.run_outlined(task) } else { task.run(simd) }
+}
+
+/// The hit of the exact test of the primitive in a lane.
+#[inline(always)]
+pub(crate) fn exact_hit<S: Simd, P: Kernel, M: MethodTag>(
+    simd: S,
+    block: &P::Block,
+    lane: usize,
+    ray: &Ray,
+) -> Option<Hit> {
+    let task = ExactHit::<P, M> { block, lane, ray, method: PhantomData };
+    if P::OUTLINE_EXACT_TEST { simd.run_outlined(task) } else { task.run(simd) }
+}
+
+struct ExactHit<'a, P: Kernel, M> {
+    block: &'a P::Block,
+    lane: usize,
+    ray: &'a Ray,
+    method: PhantomData<M>,
+}
+
+impl<P: Kernel, M: MethodTag> WithSimd for ExactHit<'_, P, M> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Option<Hit> {
+        P::unpack(self.block, self.lane).exact_hit::<M>(self.ray)
+    }
 }
 
 struct ExactT<'a, P: Kernel, M> {

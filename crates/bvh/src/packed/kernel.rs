@@ -90,6 +90,10 @@ pub trait Kernel: Primitive + Copy + Send + Sync {
     /// the registers that this frees; the wide test of flat ones needs so many that saving them
     /// around the call costs as much.
     const OUTLINE_EXACT_TEST: bool;
+    /// Whether the exact test of a candidate computes the whole hit, instead of `t` alone and the
+    /// hit of the closest one at the end. It does where the wide test finds no hit for certain: then
+    /// the exact test of the closest one has run before.
+    const KEEP_HIT: bool;
     /// Whether the test of a leaf is an outlined call.
     const OUTLINE_LEAF: bool;
     /// The ray, prepared for [`Kernel::candidates`].

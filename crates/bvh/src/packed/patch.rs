@@ -22,6 +22,7 @@ impl Kernel for BilinearPatch {
     type Vanilla = vanilla::Quad;
     type Block = Aligned<Block<13>>;
     const OUTLINE_EXACT_TEST: bool = false;
+    const KEEP_HIT: bool = false;
     const OUTLINE_LEAF: bool = true;
     type LeafRay = FlatRay;
 

@@ -34,6 +34,7 @@ impl Kernel for Sphere {
     type Vanilla = vanilla::Point;
     type Block = Block<4>;
     const OUTLINE_EXACT_TEST: bool = true;
+    const KEEP_HIT: bool = false;
     const OUTLINE_LEAF: bool = false;
     type LeafRay = RoundRay;
 

@@ -18,6 +18,7 @@ impl Kernel for Triangle {
     type Vanilla = Self;
     type Block = Block<10>;
     const OUTLINE_EXACT_TEST: bool = false;
+    const KEEP_HIT: bool = false;
     const OUTLINE_LEAF: bool = true;
     type LeafRay = FlatRay;
 
