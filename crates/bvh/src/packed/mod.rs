@@ -8,13 +8,13 @@
 mod any;
 mod closest;
 mod cone;
-mod crossing;
 mod crossings;
 mod exact;
 mod flat;
 mod kernel;
 mod method_tag;
 mod patch;
+mod patch_crossing;
 mod pieces;
 mod refit;
 mod report;

@@ -5,12 +5,13 @@
 //! In ray space (`flat.rs`) the origin lies inside a triangle if its three signed areas have the
 //! same sign, so if the smallest is not negative or the largest not positive. The vanilla shape is
 //! two triangles. The patch lies in the tetrahedron of its corners, whose projection is the union
-//! of the projections of its four faces.
+//! of the projections of its four faces. If that leaves open whether the ray crosses in its
+//! interval, the crossing itself is bounded (`patch_crossing.rs`).
 
-use super::crossing::{Areas, narrowed};
 use super::flat::{FlatRay, largest_side, max3, min3, signed_area, volume, z_range};
 use super::kernel::{Aligned, Block, Candidates, Kernel};
 use super::method_tag::MethodTag;
+use super::patch_crossing::{Areas, narrowed};
 use crate::node::WIDTH;
 use crate::simd::Simd;
 use crate::slab::SlabRay;
