@@ -72,6 +72,12 @@ impl Sampler {
         }
     }
 
+    /// Returns the sampler of a path that branches off this one at a segment.
+    #[must_use]
+    pub(crate) fn branch(&self, segment: u32) -> Self {
+        Self { key: mix(self.key ^ mix(u64::from(segment) | 1 << 32)), ..*self }
+    }
+
     /// Returns the four numbers of a set. Each decision of a path needs a set of its own;
     /// [`camera_ray`] consumes set 0. Numbers for a direction or point come first in a set, where
     /// they are stratified best.

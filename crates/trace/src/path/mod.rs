@@ -29,6 +29,12 @@ const SETS_PER_SEGMENT: u32 = 3;
 /// Four parts share the cost of the segments before the split.
 const PARTS: u32 = 4;
 
+/// Largest number of branches of a path on average. Smooth dielectrics between the camera and the
+/// first rough surface both reflect and transmit; a branch with less than one over this number of
+/// the light is followed by chance, as if it had so much. A bright lamp that glass reflects once is
+/// most of the noise of a picture of glass otherwise.
+const BRANCHES: f32 = 8.0;
+
 /// The vertex at which the last direction was sampled, unless it was a delta direction.
 #[derive(Clone, Copy)]
 struct Origin {
@@ -46,6 +52,8 @@ struct Path<'a> {
     /// The instance on whose outside the ray starts.
     left: Option<u32>,
     throughput: Vec3,
+    /// The factor of the throughput that is due to branches: at least one over [`BRANCHES`].
+    share: f32,
     origin: Option<Origin>,
     media: Media,
     /// Number of the segment along `ray`, counted from 1 at the camera.
@@ -56,6 +64,8 @@ struct Path<'a> {
     part: bool,
     /// Nothing has changed the direction since the camera.
     straight: bool,
+    /// All vertices so far were smooth.
+    smooth: bool,
     arrived: Arrived,
 }
 
@@ -78,12 +88,14 @@ impl Context<'_> {
             ray,
             left: None,
             throughput: Vec3::ONE,
+            share: 1.0,
             origin: None,
             media: Media::default(),
             segment: 1,
             sheets: 0,
             part: false,
             straight: true,
+            smooth: true,
             arrived: Arrived::default(),
         };
         path.follow()
@@ -208,7 +220,8 @@ impl Path<'_> {
     #[inline(always)]
     fn continue_along(&mut self, ray: Ray, left: Option<u32>, roulette: f32) -> Next {
         if self.segment >= ROULETTE_AFTER {
-            let survival = (self.throughput.max_element() / ROULETTE_BELOW).min(0.99);
+            let usual = ROULETTE_BELOW * self.share;
+            let survival = (self.throughput.max_element() / usual).min(0.99);
             if roulette >= survival {
                 return Next::End;
             }

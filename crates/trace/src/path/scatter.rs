@@ -1,10 +1,10 @@
 //! Scattering at a vertex of a path: direct illumination, and the direction that goes on.
 
-use super::{Next, Origin, Path};
-use crate::context::Context;
+use super::{BRANCHES, Next, Origin, Path};
+use crate::context::{Arrived, Context};
 use crate::medium::Medium;
 use crate::shadow::{Departure, Target};
-use crate::{Bsdf, Receiver, phase, power_heuristic};
+use crate::{Bsdf, BsdfSample, Receiver, phase, power_heuristic};
 use glam::{Vec2, Vec3};
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, MaterialPoint, Scene, SceneHit};
@@ -62,6 +62,7 @@ impl Path<'_> {
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = lit.then_some(Origin { receiver, pdf });
+        self.smooth = false;
         self.continue_along(Ray::new(position, incoming), None, roulette)
     }
 
@@ -69,11 +70,11 @@ impl Path<'_> {
         let outgoing = -self.ray.direction;
         let normal = shading_normal(self.context.scene, hit, material.kind, outgoing);
         let bsdf = Bsdf::new(material, normal, outgoing);
-        let wall = material.kind == MaterialKind::Refractive;
-        let both_sides = wall || material.kind == MaterialKind::Transparent;
+        let refracts = material.kind == MaterialKind::Refractive;
+        let both_sides = refracts || material.kind == MaterialKind::Transparent;
         let receiver = Receiver { position: hit.position, normal: (!both_sides).then_some(normal) };
-        let medium = wall.then(|| Medium::new(material));
-        let allowed = |incoming: Vec3| !wall || sides_agree(hit, normal, outgoing, incoming);
+        let medium = refracts.then(|| Medium::new(material));
+        let allowed = |incoming: Vec3| !refracts || sides_agree(hit, normal, outgoing, incoming);
         if !bsdf.is_delta() {
             let departure = Departure::Surface { hit, outgoing, medium };
             self.gather_light(&receiver, &departure, |incoming| {
@@ -82,26 +83,83 @@ impl Path<'_> {
             });
         }
         let [x, y, choice, roulette] = self.numbers(1);
-        let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
-        let incoming = scattered.incoming;
-        if !allowed(incoming) {
-            return Next::End;
-        }
-        let mut divided = false;
-        if let Some(medium) = medium
-            && hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0
+        let wall = Wall { hit, outgoing, medium, normal };
+        if self.smooth
+            && let Some((both, f)) = bsdf.both()
         {
-            self.media.cross(hit, incoming, medium);
-            let inside = self.media.innermost();
-            divided = !self.part && inside.is_some_and(|medium| medium.albedo != Vec3::ZERO);
+            return self.branch(&wall, &both, f, choice, roulette);
         }
-        self.throughput *= scattered.weight;
+        let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
+        self.smooth &= scattered.pdf.is_none();
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
+        self.leave(&wall, scattered.incoming, scattered.weight, roulette)
+    }
+
+    /// Follows both directions in which a smooth dielectric sends light, or one of them by chance.
+    ///
+    /// Both are followed with probabilities so large that what is followed has at least one over
+    /// [`BRANCHES`] of the light; one number decides on both, so that one of them always is.
+    fn branch(
+        &mut self,
+        wall: &Wall<'_>,
+        [mirrored, through]: &[BsdfSample; 2],
+        f: f32,
+        choice: f32,
+        roulette: f32,
+    ) -> Next {
+        let chance = |share: f32| (BRANCHES * self.share * share).min(1.0);
+        let (reflects, transmits) = (chance(f), chance(1.0 - f));
+        self.origin = None;
+        let take = |path: &mut Self, taken: &BsdfSample, share: f32, chance: f32| {
+            path.share *= share / chance;
+            path.leave(wall, taken.incoming, taken.weight / chance, roulette)
+        };
+        if choice < 1.0 - transmits && reflects > 0.0 {
+            return take(self, mirrored, f, reflects);
+        }
+        if choice < reflects {
+            let sampler = self.sampler.branch(self.segment);
+            let mut other = Path { sampler, arrived: Arrived::default(), ..self.clone() };
+            let arrived = match take(&mut other, mirrored, f, reflects) {
+                Next::Segment => other.follow(),
+                Next::Parts => other.divide(),
+                Next::End => Arrived::default(),
+            };
+            self.arrived.radiance += arrived.radiance;
+            self.arrived.rays += arrived.rays;
+        }
+        take(self, through, 1.0 - f, transmits)
+    }
+
+    /// Leaves a surface in a sampled direction.
+    fn leave(&mut self, wall: &Wall<'_>, incoming: Vec3, weight: Vec3, roulette: f32) -> Next {
+        let Wall { hit, outgoing, medium, normal } = *wall;
+        let mut divided = false;
+        if let Some(medium) = medium {
+            if !sides_agree(hit, normal, outgoing, incoming) {
+                return Next::End;
+            }
+            if hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0 {
+                self.media.cross(hit, incoming, medium);
+                let inside = self.media.innermost();
+                divided = !self.part && inside.is_some_and(|medium| medium.albedo != Vec3::ZERO);
+            }
+        }
+        self.throughput *= weight;
         match self.continue_along(hit.spawn(incoming), hit.left_by(incoming), roulette) {
             Next::Segment if divided => Next::Parts,
             next => next,
         }
     }
+}
+
+/// A surface that a path leaves.
+struct Wall<'a> {
+    hit: &'a SceneHit,
+    outgoing: Vec3,
+    /// The medium behind, if the surface is the boundary of one.
+    medium: Option<Medium>,
+    normal: Vec3,
 }
 
 /// Returns the shading normal, or for walls of solids the geometric normal where the two face
