@@ -1,9 +1,11 @@
 //! The state that all paths of a render share.
 
+use crate::light_path::LightPaths;
+use crate::sensor::Sensor;
 use crate::{Lights, Options, View};
 use glam::Vec3;
 use rotund_geometry::Aabb;
-use rotund_scene::{Instance, Material, MaterialKind, Scene, Trees};
+use rotund_scene::{Camera, Instance, Material, MaterialKind, Scene, Trees};
 
 /// The state that all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +19,8 @@ pub(crate) struct Context<'a> {
     pub(crate) furnace: bool,
     /// Camera rays that reach the environment straight do not see it.
     pub(crate) transparent: bool,
+    /// Paths that start at the lights, if there are any.
+    pub(crate) light_paths: Option<LightPaths>,
     /// Bounds of the scene for [`View::Position`], else empty.
     pub(crate) bounds: Aabb,
 }
@@ -51,9 +55,29 @@ impl<'a> Context<'a> {
         let &Options { view, bounces, transparent, .. } = options;
         let bounds = if view == View::Position { scene.bounds() } else { Aabb::EMPTY };
         let furnace = view == View::Furnace;
-        Self { scene, trees, lights, facts, bounces, furnace, transparent, bounds }
+        Self {
+            scene,
+            trees,
+            lights,
+            facts,
+            bounces,
+            furnace,
+            transparent,
+            light_paths: None,
+            bounds,
+        }
+    }
+
+    /// Returns the context with paths from the lights to a camera, if they find anything.
+    pub(crate) fn with_light_paths(self, camera: &Camera, options: &Options) -> Self {
+        let finds =
+            options.view == View::Path && options.bounces > 2 && !self.lights.casters().is_empty();
+        let of_camera = || LightPaths::new(Sensor::new(camera), *RATE, self.scene.bounds());
+        Self { light_paths: finds.then(of_camera), ..self }
     }
 }
+static RATE: std::sync::LazyLock<f32> =
+    std::sync::LazyLock::new(|| std::env::var("RATE").map_or(1.0, |v| v.parse().unwrap()));
 
 impl Facts {
     pub(crate) fn new(scene: &Scene) -> Self {

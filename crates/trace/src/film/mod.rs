@@ -6,8 +6,8 @@ mod merge;
 mod pixel;
 mod schedule;
 
-pub(crate) use accumulate::Limits;
 pub use accumulate::{FilmSample, Progress};
+pub(crate) use accumulate::{Limits, Splat, Splats};
 pub use header::{FilmHeader, Origin};
 pub use merge::MergeError;
 pub(crate) use pixel::{PixelSum, Sum};

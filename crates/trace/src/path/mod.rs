@@ -7,13 +7,16 @@
 //! sampled it. Inside of a solid that scatters, no light can be sampled through the refracting
 //! wall; there a path is split, and all parts continue.
 
+mod reverse;
 mod scatter;
 
 use crate::context::{Arrived, Context};
 use crate::medium::{Media, Medium};
+use crate::mis::weight_of_bsdf;
 use crate::opacity::{SHEET_SETS, SHEETS};
 use crate::{Receiver, Sampler, power_heuristic};
 use glam::Vec3;
+use reverse::Reverse;
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, SceneHit};
 
@@ -62,6 +65,10 @@ struct Path<'a> {
     sheets: u32,
     /// The path has been split already: it is one of [`PARTS`].
     part: bool,
+    /// What light paths that would find this path need to be weighted, unless none would.
+    reverse: Option<Reverse>,
+    /// Where the path started.
+    lens: Vec3,
     /// Nothing has changed the direction since the camera.
     straight: bool,
     /// All vertices so far were smooth.
@@ -94,6 +101,8 @@ impl Context<'_> {
             segment: 1,
             sheets: 0,
             part: false,
+            reverse: None,
+            lens: ray.origin,
             straight: true,
             smooth: true,
             arrived: Arrived::default(),
@@ -170,6 +179,7 @@ impl Path<'_> {
         }
         if material.kind == MaterialKind::Volumetric {
             // `origin` stays: light samples pass the borders of clouds as well.
+            self.reverse = None;
             self.media.cross(hit, self.ray.direction, Medium::new(&material));
             self.pass(hit);
             self.segment += 1;
@@ -202,18 +212,28 @@ impl Path<'_> {
         }
         let receiver = self.origin.as_ref().map(|origin| &origin.receiver);
         let (radiance, other) = lights.environment(scene, receiver, self.ray.direction);
-        let weight = self.origin.as_ref().map_or(1.0, |origin| power_heuristic(origin.pdf, other));
+        let weight = self.weight(other, || self.found_from_sky(self.ray.direction));
         self.arrived.radiance += weight * self.throughput * radiance;
         self.arrived.covered |= !scene.environments.is_empty();
     }
 
     fn gather_emission(&mut self, hit: &SceneHit, emission: Vec3) {
         if emission != Vec3::ZERO && !self.context.furnace {
-            let weight = self.origin.as_ref().map_or(1.0, |origin| {
-                power_heuristic(origin.pdf, self.context.lights.pdf(&origin.receiver, hit))
-            });
+            let lights = self.context.lights;
+            let of_sample = |origin: &Origin| lights.pdf(&origin.receiver, hit);
+            let other = self.origin.as_ref().map_or(0.0, of_sample);
+            let weight = self.weight(other, || self.found_from(hit));
             self.arrived.radiance += weight * self.throughput * emission;
         }
+    }
+
+    /// Returns the weight of light that the BSDF found and a light sample finds with density
+    /// `other`. `light` is the density of light paths relative to that of this one.
+    fn weight(&self, other: f32, light: impl Fn() -> f32) -> f32 {
+        let Some(_) = self.reverse else {
+            return self.origin.as_ref().map_or(1.0, |o| power_heuristic(o.pdf, other));
+        };
+        weight_of_bsdf(self.origin.as_ref().map_or(0.0, |o| other / o.pdf), light())
     }
 
     /// Takes the next segment, unless the throughput is zero or Russian roulette ends the path.
