@@ -1,6 +1,5 @@
 //! The state that all paths of a render share.
 
-use crate::light_path::LightPaths;
 use crate::sensor::Sensor;
 use crate::{Lights, Options, View};
 use glam::Vec3;
@@ -19,8 +18,10 @@ pub(crate) struct Context<'a> {
     pub(crate) furnace: bool,
     /// Camera rays that reach the environment straight do not see it.
     pub(crate) transparent: bool,
-    /// Paths that start at the lights, if there are any.
-    pub(crate) light_paths: Option<LightPaths>,
+    /// The film that paths from the lights are connected to, if there are any.
+    pub(crate) sensor: Option<Sensor>,
+    /// A distance that is larger than the scene, if there are paths from the lights.
+    pub(crate) reach: f32,
     /// Bounds of the scene for [`View::Position`], else empty.
     pub(crate) bounds: Aabb,
 }
@@ -63,7 +64,8 @@ impl<'a> Context<'a> {
             bounces,
             furnace,
             transparent,
-            light_paths: None,
+            sensor: None,
+            reach: 0.0,
             bounds,
         }
     }
@@ -72,12 +74,14 @@ impl<'a> Context<'a> {
     pub(crate) fn with_light_paths(self, camera: &Camera, options: &Options) -> Self {
         let finds =
             options.view == View::Path && options.bounces > 2 && !self.lights.casters().is_empty();
-        let of_camera = || LightPaths::new(Sensor::new(camera), *RATE, self.scene.bounds());
-        Self { light_paths: finds.then(of_camera), ..self }
+        if !finds {
+            return self;
+        }
+        let bounds = self.scene.bounds();
+        let reach = 1.01 * (bounds.max - bounds.min).length();
+        Self { sensor: Some(Sensor::new(camera)), reach, ..self }
     }
 }
-static RATE: std::sync::LazyLock<f32> =
-    std::sync::LazyLock::new(|| std::env::var("RATE").map_or(1.0, |v| v.parse().unwrap()));
 
 impl Facts {
     pub(crate) fn new(scene: &Scene) -> Self {

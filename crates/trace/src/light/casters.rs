@@ -32,8 +32,11 @@ struct Caster {
 #[derive(Clone, Copy, Debug)]
 enum Group {
     None,
-    /// One for each element, from this one on.
-    Elements(u32),
+    /// One for each of `count` elements, from `first` on.
+    Elements {
+        first: u32,
+        count: u32,
+    },
     /// All elements together.
     Mesh(u32),
 }
@@ -78,7 +81,7 @@ impl Casters {
                     let emitter = emitter::of_caster(scene, index as u32, element);
                     Caster { ball: emitter.ball(), element: Some(emitter) }
                 }));
-                Group::Elements(first)
+                Group::Elements { first, count: count as u32 }
             } else {
                 casters.push(Caster { ball: ball_around(scene, index), element: None });
                 Group::Mesh(first)
@@ -93,6 +96,15 @@ impl Casters {
             if sampled && power.is_finite() { power } else { 0.0 }
         };
         Self { choice: Table::new(casters.iter().map(power)), casters, groups }
+    }
+
+    /// Returns the index of each instance whose elements are casters of their own, and their number.
+    pub(super) fn counts(&self) -> impl Iterator<Item = (usize, usize)> {
+        let numbered = self.groups.iter().enumerate();
+        numbered.filter_map(|(index, group)| match group {
+            Group::Elements { count, .. } => Some((index, *count as usize)),
+            _ => None,
+        })
     }
 
     /// Returns true if there is no caster that a light shines on.
@@ -121,9 +133,11 @@ impl Casters {
     /// Returns the number of the caster that a surface is part of.
     pub(crate) fn caster(&self, hit: &SceneHit) -> Option<u32> {
         match *self.groups.get(hit.instance as usize)? {
-            Group::None => None,
-            Group::Elements(first) => Some(first + hit.element),
+            Group::Elements { first, count } => {
+                (hit.element < count).then_some(first + hit.element)
+            }
             Group::Mesh(caster) => Some(caster),
+            Group::None => None,
         }
     }
 

@@ -189,7 +189,7 @@ impl Lights {
     }
 
     /// Checks that a scene has as many instances and environments as the one of the lights, and
-    /// each instance with emitters as many elements: all that indices rely on.
+    /// each instance with emitters or casters as many elements: all that indices rely on.
     pub(crate) fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
         for (what, before, now) in [
             ("instances", self.first_emitter.len(), scene.instances.len()),
@@ -199,7 +199,7 @@ impl Lights {
                 return Err(SceneError::LightsChanged { item: None, what, before, now });
             }
         }
-        for (index, before) in self.emitter_counts() {
+        for (index, before) in self.emitter_counts().chain(self.casters.counts()) {
             let instance = &scene.instances[index];
             let now = scene.shapes[instance.shape as usize].elements.count();
             if before != now {

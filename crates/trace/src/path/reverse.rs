@@ -1,6 +1,7 @@
 //! The density of light paths that would find a path from the camera.
 
 use super::Path;
+use crate::light_path::RATE;
 use crate::medium::{Media, Medium};
 use crate::vertex::Vertex;
 use crate::{LightSample, Lights};
@@ -25,15 +26,15 @@ impl Path<'_> {
         to_light: Vec3,
         pdf: Option<f32>,
     ) -> Option<Reverse> {
-        let paths = self.context.light_paths.as_ref()?;
+        let sensor = self.context.sensor.as_ref()?;
         let to_camera = -self.ray.direction;
         if self.straight {
             if self.segment > 1 || !vertex.is_fixed() {
                 return None;
             }
-            let density = paths.sensor.density(self.lens, vertex.hit.position);
+            let density = sensor.density(self.lens, vertex.hit.position);
             let [shown, lit] = [to_camera, to_light].map(|d| vertex.slant(d));
-            let ratio = paths.rate * lit / (density * shown * pdf?);
+            let ratio = RATE * lit / (density * shown * pdf?);
             return ratio.is_finite().then_some(Reverse { ratio, caster: None });
         }
         let Reverse { ratio, .. } = self.reverse?;

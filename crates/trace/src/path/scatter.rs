@@ -6,7 +6,7 @@ use crate::medium::Medium;
 use crate::mis::weight_of_light_sample;
 use crate::shadow::{Departure, Target, Visible};
 use crate::vertex::{Vertex, sides_agree};
-use crate::{Bsdf, BsdfSample, Receiver, phase, power_heuristic};
+use crate::{BsdfSample, Receiver, phase, power_heuristic};
 use glam::{Vec2, Vec3};
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, MaterialPoint, SceneHit};

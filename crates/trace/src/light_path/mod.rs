@@ -15,6 +15,9 @@
 //! Stanford 1997, chapters 5 (adjoints) and 10 (weights); I. Georgiev, "Implementing Vertex
 //! Connection and Merging", 2012 (weights from the quantities of each vertex).
 
+#[cfg(test)]
+mod tests;
+
 use crate::context::Context;
 use crate::film::Splat;
 use crate::light::LightSource;
@@ -26,19 +29,13 @@ use crate::shadow::{Departure, Target, Visible};
 use crate::vertex::Vertex;
 use crate::{BsdfValue, Receiver, Sampler, warp};
 use glam::{Vec2, Vec3};
-use rotund_geometry::{Aabb, Ray, leave_surface};
+use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{MaterialKind, SceneHit};
 
-/// What light paths of a render share.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LightPaths {
-    pub(crate) sensor: Sensor,
-    /// Light paths for each sample of a pixel, at most one.
-    pub(crate) rate: f32,
-    /// Distance that is farther than the scene is large.
-    reach: f32,
-}
-
+/// Number of light paths for each sample of a pixel. A light path takes as long as a path from the
+/// camera and serves all pixels, so a few of them are enough: more of them add more time to a
+/// picture than they remove noise from it.
+pub(crate) const RATE: f32 = 0.125;
 /// First dimension set of a light path.
 const SETS: u32 = 1 << 20;
 /// First dimension set of its decisions at surfaces of partial opacity.
@@ -51,7 +48,7 @@ const ROULETTE_AFTER: u32 = 4;
 /// The state of a light path between two vertices.
 struct LightPath<'a> {
     context: &'a Context<'a>,
-    paths: &'a LightPaths,
+    sensor: &'a Sensor,
     sampler: Sampler,
     start: Start,
     /// The caster that the path is aimed at.
@@ -81,21 +78,15 @@ enum Start {
     Sky(Vec3),
 }
 
-impl LightPaths {
-    pub(crate) fn new(sensor: Sensor, rate: f32, bounds: Aabb) -> Self {
-        Self { sensor, rate, reach: 1.01 * (bounds.max - bounds.min).length() }
-    }
-}
-
 impl Context<'_> {
     /// Traces the light path of a sample, if it has one; returns the number of rays traced.
     pub(crate) fn trace_light(&self, sampler: &Sampler, add: &mut impl FnMut(Splat)) -> u64 {
-        let Some(paths) = &self.light_paths else { return 0 };
+        let Some(sensor) = &self.sensor else { return 0 };
         let [x, y, choice, chance] = sampler.set(SETS);
-        if chance >= paths.rate {
+        if chance >= RATE {
             return 0;
         }
-        let path = LightPath::start(self, paths, sampler, choice, Vec2::new(x, y));
+        let path = LightPath::start(self, sensor, sampler, choice, Vec2::new(x, y));
         let Some(mut path) = path else { return 0 };
         while path.step(add).is_some() {}
         path.rays
@@ -106,12 +97,12 @@ impl<'a> LightPath<'a> {
     /// Samples the first ray.
     fn start(
         context: &'a Context<'a>,
-        paths: &'a LightPaths,
+        sensor: &'a Sensor,
         sampler: &Sampler,
         choice: f32,
         u: Vec2,
     ) -> Option<Self> {
-        let Context { scene, trees, lights, .. } = *context;
+        let Context { scene, trees, lights, reach, .. } = *context;
         let [x, y, which, _] = sampler.set(SETS + 1);
         let casters = lights.casters();
         let aim = casters.choose(which)?;
@@ -132,14 +123,14 @@ impl<'a> LightPath<'a> {
                 let origin = aim.center
                     + place.x * right
                     + place.y * up
-                    + (paths.reach + aim.radius) * light.incoming;
+                    + (reach + aim.radius) * light.incoming;
                 (Start::Sky(light.incoming), Ray::new(origin, -light.incoming), None)
             }
         };
         let radiance = lights.radiance(scene, &light);
         let path = Self {
             context,
-            paths,
+            sensor,
             sampler: *sampler,
             start,
             ray,
@@ -297,19 +288,18 @@ impl<'a> LightPath<'a> {
 
     /// Adds what a vertex sends to the camera.
     fn connect(&mut self, vertex: &Vertex<'_>, add: &mut impl FnMut(Splat)) {
-        let LightPaths { sensor, rate, .. } = self.paths;
         let (hit, to_light) = (vertex.hit, -self.ray.direction);
         let [x, y, ..] = self.numbers(2);
-        let Some(seen) = sensor.see(hit.position, warp::disk(Vec2::new(x, y))) else { return };
+        let Some(seen) = self.sensor.see(hit.position, warp::disk(Vec2::new(x, y))) else { return };
         let (bsdf, normal) = vertex.bsdf(seen.direction);
         let BsdfValue { value, pdf } = bsdf.eval(to_light);
         if value == Vec3::ZERO || !vertex.allows(normal, seen.direction, to_light) {
             return;
         }
         let [shown, lit] = [seen.direction, to_light].map(|d| vertex.slant(d));
-        let ratio = rate * self.ratio * lit / (seen.density * shown * pdf);
+        let ratio = RATE * self.ratio * lit / (seen.density * shown * pdf);
         let weight = weight_of_light_path(ratio, self.sampled);
-        let radiance = self.throughput * value * (weight * shown * seen.density / (lit * rate));
+        let radiance = self.throughput * value * (weight * shown * seen.density / (lit * RATE));
         if !(radiance.max_element() > 0.0) {
             return;
         }
