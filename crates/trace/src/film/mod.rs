@@ -22,7 +22,8 @@ use rotund_image::Image;
 /// Sums are exact: radiance is counted in whole steps of 2⁻⁵⁶, so addition is associative. The same
 /// samples make the same bits in any order, on any number of threads, in one run or several, on one
 /// machine or several. Each pixel knows its number of samples, so [`Self::image`] is right at any
-/// moment, also in the middle of a pass over the pixels.
+/// moment, also in the middle of a pass over the pixels. Only light that a sample found for another
+/// pixel ([`crate::World::render`] traces paths from the lights) is up to one pass ahead there.
 ///
 /// A custom renderer fills a film with [`Self::accumulate`], or sample by sample with
 /// [`Self::add`].
@@ -131,7 +132,8 @@ impl Film {
     }
 
     /// Returns how many samples were rejected, and counted as black, because their radiance was
-    /// NaN, negative, or 2³⁹ or more.
+    /// NaN, negative, or 2³⁹ or more. What a path from a light adds to a pixel counts as a sample
+    /// here, and in [`Self::fireflies`] and [`Self::clamped`].
     #[must_use]
     pub fn rejected(&self) -> u64 {
         self.rejected

@@ -98,7 +98,7 @@ impl Casters {
         Self { choice: Table::new(casters.iter().map(power)), casters, groups }
     }
 
-    /// Returns the index of each instance whose elements are casters of their own, and their number.
+    /// Returns the index of each instance whose elements are casters, and their number.
     pub(super) fn counts(&self) -> impl Iterator<Item = (usize, usize)> {
         let numbered = self.groups.iter().enumerate();
         numbered.filter_map(|(index, group)| match group {

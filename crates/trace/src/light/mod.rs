@@ -21,7 +21,8 @@ use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem, Trees};
 pub use tree::Receiver;
 use tree::{Extent, LightTree};
 
-/// The light sources of a scene, in tables that importance-sample them from any point.
+/// The light sources of a scene, in tables that importance-sample them from any point, and the
+/// surfaces of smooth glass and metal, which light paths are aimed at.
 ///
 /// # Direct illumination with multiple importance sampling
 ///

@@ -39,7 +39,7 @@ pub(crate) const RATE: f32 = 0.125;
 /// First dimension set of a light path.
 const SETS: u32 = 1 << 20;
 /// First dimension set of its decisions at surfaces of partial opacity.
-const SHEETS_SETS_OF_LIGHT: u32 = 1 << 21;
+const SHEET_SETS: u32 = 1 << 21;
 /// Dimension sets of a vertex.
 const SETS_PER_VERTEX: u32 = 3;
 /// Number of vertices after which Russian roulette may end a light path.
@@ -157,7 +157,7 @@ impl<'a> LightPath<'a> {
         self.cross_medium(&hit)?;
         let material = scene.eval_material(hit.instance, hit.element, hit.uv);
         if material.opacity < 1.0 {
-            let [chance, ..] = self.sampler.set(SHEETS_SETS_OF_LIGHT + self.sheets);
+            let [chance, ..] = self.sampler.set(SHEET_SETS + self.sheets);
             self.sheets += 1;
             if self.sheets > SHEETS {
                 return None;

@@ -208,22 +208,55 @@ fn cases() -> Vec<Case> {
             "a lamp inside of glass beside a ball of glass",
             with(&|scene| {
                 scene.add(ball([-0.6, 0.7, 0.0], 0.5), material(glass, [1.0; 3], 0.0));
-                scene.add(ball([-0.6, 0.7, 0.0], 0.2), shine(10.0));
+                scene.add(ball([-0.6, 0.7, 0.0], 0.35), shine(10.0));
                 scene.add(ball([0.5, 0.5, 0.0], 0.4), tinted(0.0));
             }),
         ),
     ]
 }
 
+/// Number of pictures of each kind.
+const SEEDS: u64 = 8;
+
+/// Returns mean and standard error of each block over pictures of different seeds.
+fn estimate(scene: &Scene, samples: u32, light_paths: bool) -> [(f64, f64); 6] {
+    let pictures: Vec<[f64; 6]> = (0..SEEDS)
+        .map(|seed| Options { samples, seed: 2 * seed + u64::from(light_paths), ..OPTIONS })
+        .map(|options| blocks(&render(scene, &options, light_paths)))
+        .collect();
+    std::array::from_fn(|block| {
+        let values = || pictures.iter().map(|picture| picture[block]);
+        let mean = values().sum::<f64>() / SEEDS as f64;
+        let square = values().map(|value| (value - mean).powi(2)).sum::<f64>();
+        (mean, (square / (SEEDS * (SEEDS - 1)) as f64).sqrt())
+    })
+}
+
 /// The reference has no light paths: it is the mean of many paths from the camera.
 #[test]
 fn light_paths_change_no_light() {
     for (why, scene) in cases() {
-        let without =
-            blocks(&render(&scene, &Options { samples: 4096, seed: 1, ..OPTIONS }, false));
-        let with = blocks(&render(&scene, &Options { samples: 1024, ..OPTIONS }, true));
-        let errors: Vec<_> =
-            with.iter().zip(&without).map(|(a, b)| (a / b - 1.0) * 100.0).collect();
-        println!("{why}: {errors:.2?}");
+        let without = estimate(&scene, 256, false);
+        let with = estimate(&scene, 64, true);
+        for (block, ((a, error_a), (b, error_b))) in with.into_iter().zip(without).enumerate() {
+            let error = error_a.hypot(error_b);
+            assert!(error < 0.03 * b, "{why}, block {block}: {a} and {b} within {error}");
+            let most = (0.005 * b).max(4.5 * error);
+            assert!((a - b).abs() < most, "{why}, block {block}: {a}, not {b} within {error}");
+        }
     }
+}
+
+/// A lamp so small that paths from the camera rarely find it through glass.
+#[test]
+fn light_paths_find_what_glass_casts_of_a_small_lamp() {
+    let mut scene = floor();
+    scene.add(ball([0.0, 0.6, 0.0], 0.4), material(MaterialKind::Refractive, [1.0; 3], 0.0));
+    lamp(&mut scene, 0.05, 700.0);
+    let error = |light_paths| {
+        let blocks = estimate(&scene, 16, light_paths);
+        blocks.map(|(mean, error)| error / mean).into_iter().fold(0.0, f64::max)
+    };
+    let (without, with) = (error(false), error(true));
+    assert!(with < 0.1 * without, "relative errors of {without} without, {with} with light paths");
 }

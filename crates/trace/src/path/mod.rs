@@ -5,7 +5,9 @@
 //! since each technique could have sampled the direction of the other. The path continues along the
 //! second direction; the surface that it hits tells with which density the lights would have
 //! sampled it. Inside of a solid that scatters, no light can be sampled through the refracting
-//! wall; there a path is split, and all parts continue.
+//! wall; there a path is split, and all parts continue. Smooth glass before the first rough surface
+//! both reflects and transmits, so a path branches there. Light that casters send to a rough
+//! surface is found by paths from the lights too ([`crate::light_path`]); the weights tell.
 
 mod reverse;
 mod scatter;
