@@ -252,6 +252,8 @@ pub(crate) fn room<T>(width: u32, height: u32) -> Result<Vec<T>, FilmError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Vec2, vec2};
+    use std::ops::ControlFlow;
 
     #[test]
     fn samples_are_those_that_every_pixel_has() {
@@ -265,6 +267,24 @@ mod tests {
         add(&mut film, 1);
         assert_eq!((film.samples(), film.header().is_finished()), (2, true));
         assert_eq!([0, 1, 2].map(|x| film.samples_at(x, 0)), [Some(2), Some(2), None]);
+    }
+
+    #[test]
+    fn light_for_other_pixels_is_added_limited_and_counted() {
+        let mut film = Film::new(4, 2).expect("a film");
+        let limits = Limits { clamp: 4.0, brightest: 2.0 };
+        let sample = |x: u32, y: u32, _: u32, splats: &mut Splats| {
+            // From each pixel to the next one, from the last of a row to the first.
+            let image_uv = Vec2::new(((x + 1) % 4) as f32 + 0.5, y as f32 + 0.5) / vec2(4.0, 2.0);
+            let radiance = Vec3::splat([1.0, 3.0, 8.0, f32::NAN][x as usize]);
+            splats.push(Splat { image_uv, radiance });
+            FilmSample::from(Vec3::ONE)
+        };
+        film.take_samples(2, limits, &sample, &mut |_| ControlFlow::Continue(()));
+        let row: Vec<f32> = film.image().pixels[4..].iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(row, [1.0, 2.0, 4.0, 5.0]);
+        assert_eq!((film.rejected(), film.fireflies(), film.clamped()), (4, 8, 4));
+        assert_eq!(film.samples(), 2);
     }
 
     #[test]

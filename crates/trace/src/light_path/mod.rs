@@ -300,7 +300,8 @@ impl<'a> LightPath<'a> {
         let ratio = RATE * self.ratio * lit / (seen.density * shown * pdf);
         let weight = weight_of_light_path(ratio, self.sampled);
         let radiance = self.throughput * value * (weight * shown * seen.density / (lit * RATE));
-        if !(radiance.max_element() > 0.0) {
+        // A radiance that is NaN goes on, so that the film counts it.
+        if radiance.max_element() <= 0.0 {
             return;
         }
         let wall = vertex.material.kind == MaterialKind::Refractive;
