@@ -115,7 +115,8 @@ fn take_samples(
         let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
         let ray = camera_ray(camera, size, [x, y], &sampler);
         let Arrived { radiance, covered, rays } = context.look(options.view, ray, &sampler);
-        let rays = rays + context.trace_light(&sampler, &mut |splat| splats.push(splat));
+        let rays =
+            rays + context.trace_light(options, [x, y, sample], &mut |splat| splats.push(splat));
         FilmSample { radiance, covered, rays }
     };
     film.take_samples(options.samples, limits, &integrator, progress);

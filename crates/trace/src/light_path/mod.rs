@@ -23,24 +23,22 @@ use crate::film::Splat;
 use crate::light::LightSource;
 use crate::medium::{Media, Medium};
 use crate::mis::weight_of_light_path;
-use crate::opacity::SHEETS;
+use crate::opacity::{SHEET_SETS, SHEETS};
 use crate::sensor::Sensor;
 use crate::shadow::{Departure, Target, Visible};
 use crate::vertex::Vertex;
-use crate::{BsdfValue, Receiver, Sampler, warp};
+use crate::{BsdfValue, Options, Receiver, Sampler, warp};
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, leave_surface};
 use rotund_scene::{MaterialKind, SceneHit};
 
-/// Number of light paths for each sample of a pixel. A light path takes as long as a path from the
-/// camera and serves all pixels, so a few of them are enough: more of them add more time to a
-/// picture than they remove noise from it.
-pub(crate) const RATE: f32 = 0.125;
-/// First dimension set of a light path.
-const SETS: u32 = 1 << 20;
-/// First dimension set of its decisions at surfaces of partial opacity.
-const SHEET_SETS: u32 = 1 << 21;
-/// Dimension sets of a vertex.
+/// Number of samples for each light path. A light path takes as long as a path from the camera and
+/// serves all pixels, so a few of them are enough: more of them add more time to a picture than
+/// they remove noise from it.
+const SAMPLES: u64 = 8;
+/// Number of light paths for each sample.
+pub(crate) const RATE: f32 = 1.0 / SAMPLES as f32;
+/// Dimension sets of a vertex. The start takes sets 0 and 1, the vertices follow.
 const SETS_PER_VERTEX: u32 = 3;
 /// Number of vertices after which Russian roulette may end a light path.
 const ROULETTE_AFTER: u32 = 4;
@@ -80,13 +78,25 @@ enum Start {
 
 impl Context<'_> {
     /// Traces the light path of a sample, if it has one; returns the number of rays traced.
-    pub(crate) fn trace_light(&self, sampler: &Sampler, add: &mut impl FnMut(Splat)) -> u64 {
+    ///
+    /// Light paths are numbered over all pixels, and those of consecutive numbers are stratified
+    /// together, since any of them may serve any pixel.
+    pub(crate) fn trace_light(
+        &self,
+        options: &Options,
+        [x, y, sample]: [u32; 3],
+        add: &mut impl FnMut(Splat),
+    ) -> u64 {
         let Some(sensor) = &self.sensor else { return 0 };
-        let [x, y, choice, chance] = sampler.set(SETS);
-        if chance >= RATE {
+        let [x, y, sample] = [x, y, sample].map(u64::from);
+        let row = sample * u64::from(options.height) + y;
+        let number = row * u64::from(options.width) + x;
+        if !number.is_multiple_of(SAMPLES) {
             return 0;
         }
-        let path = LightPath::start(self, sensor, sampler, choice, Vec2::new(x, y));
+        let number = number / SAMPLES;
+        let sampler = Sampler::of_light_path(options.sequence, options.seed, number);
+        let path = LightPath::start(self, sensor, &sampler);
         let Some(mut path) = path else { return 0 };
         while path.step(add).is_some() {}
         path.rays
@@ -95,19 +105,14 @@ impl Context<'_> {
 
 impl<'a> LightPath<'a> {
     /// Samples the first ray.
-    fn start(
-        context: &'a Context<'a>,
-        sensor: &'a Sensor,
-        sampler: &Sampler,
-        choice: f32,
-        u: Vec2,
-    ) -> Option<Self> {
+    fn start(context: &'a Context<'a>, sensor: &'a Sensor, sampler: &Sampler) -> Option<Self> {
         let Context { scene, trees, lights, reach, .. } = *context;
-        let [x, y, which, _] = sampler.set(SETS + 1);
+        let [u, v, choice, _] = sampler.set(0);
+        let [x, y, which, _] = sampler.set(1);
         let casters = lights.casters();
         let aim = casters.choose(which)?;
         let receiver = Receiver { position: aim.center, normal: None };
-        let light = lights.sample(&receiver, choice, u)?;
+        let light = lights.sample(&receiver, choice, Vec2::new(u, v))?;
         let (start, ray, left) = match (lights.hit(&light), &light.source) {
             (Some(hit), Some(source)) => {
                 if lights.is_covered(scene, trees, &light) {
@@ -215,7 +220,7 @@ impl<'a> LightPath<'a> {
 
     /// Returns the `index`-th set of numbers of the next vertex.
     fn numbers(&self, index: u32) -> [f32; 4] {
-        self.sampler.set(SETS + 2 + SETS_PER_VERTEX * (self.number - 1) + index)
+        self.sampler.set(2 + SETS_PER_VERTEX * (self.number - 1) + index)
     }
 
     /// Samples the direction to the next vertex.

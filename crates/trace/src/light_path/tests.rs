@@ -35,7 +35,7 @@ fn render(scene: &Scene, options: &Options, light_paths: bool) -> Film {
         let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
         let ray = camera_ray(camera, [options.width, options.height], [x, y], &sampler);
         let found = context.trace(ray, &sampler);
-        context.trace_light(&sampler, &mut |splat| splats.push(splat));
+        context.trace_light(options, [x, y, sample], &mut |splat| splats.push(splat));
         FilmSample { radiance: found.radiance, covered: found.covered, rays: 0 }
     };
     let mut film = Film::for_options(options).expect("a film");
