@@ -1,9 +1,10 @@
 //! The state that all paths of a render share.
 
+use crate::sensor::Sensor;
 use crate::{Lights, Options, View};
 use glam::Vec3;
 use rotund_geometry::Aabb;
-use rotund_scene::{Instance, Material, MaterialKind, Scene, Trees};
+use rotund_scene::{Camera, Instance, Material, MaterialKind, Scene, Trees};
 
 /// The state that all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,10 @@ pub(crate) struct Context<'a> {
     pub(crate) furnace: bool,
     /// Camera rays that reach the environment straight do not see it.
     pub(crate) transparent: bool,
+    /// The film that paths from the lights are connected to, if there are any.
+    pub(crate) sensor: Option<Sensor>,
+    /// A distance that is larger than the scene, if there are paths from the lights.
+    pub(crate) reach: f32,
     /// Bounds of the scene for [`View::Position`], else empty.
     pub(crate) bounds: Aabb,
 }
@@ -51,7 +56,30 @@ impl<'a> Context<'a> {
         let &Options { view, bounces, transparent, .. } = options;
         let bounds = if view == View::Position { scene.bounds() } else { Aabb::EMPTY };
         let furnace = view == View::Furnace;
-        Self { scene, trees, lights, facts, bounces, furnace, transparent, bounds }
+        Self {
+            scene,
+            trees,
+            lights,
+            facts,
+            bounces,
+            furnace,
+            transparent,
+            sensor: None,
+            reach: 0.0,
+            bounds,
+        }
+    }
+
+    /// Returns the context with paths from the lights to a camera, if they find anything.
+    pub(crate) fn with_light_paths(self, camera: &Camera, options: &Options) -> Self {
+        let finds =
+            options.view == View::Path && options.bounces > 2 && !self.lights.casters().is_empty();
+        if !finds {
+            return self;
+        }
+        let bounds = self.scene.bounds();
+        let reach = 1.01 * (bounds.max - bounds.min).length();
+        Self { sensor: Some(Sensor::new(camera)), reach, ..self }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A [`World`] holds a scene with its trees and lights. [`World::render`] traces paths from a
 //! camera: at each vertex one direction is sampled from the [`Lights`] and one from the [`Bsdf`],
-//! combined by multiple importance sampling. The result is a [`Film`], whose sums are exact: any
+//! combined by multiple importance sampling. Where smooth glass or metal casts light, paths from
+//! the lights join them. The result is a [`Film`], whose sums are exact: any
 //! order of samples, any number of threads, any interruption and any division into [`Shard`]s makes
 //! the same bits. [`output`] writes pictures and checkpoints.
 //!
@@ -41,6 +42,7 @@ mod false_color;
 mod film;
 mod layers;
 mod light;
+mod light_path;
 mod medium;
 mod mis;
 mod near;
@@ -51,9 +53,11 @@ mod path;
 pub mod phase;
 mod render;
 mod sampler;
+mod sensor;
 mod shadow;
 mod shard;
 mod stage;
+mod vertex;
 mod view;
 pub mod warp;
 mod world;

@@ -90,6 +90,28 @@ impl Media {
         }
     }
 
+    /// Does as [`Self::cross`] does, or returns `None` if the path leaves a solid that it never
+    /// entered.
+    pub(crate) fn cross_known(
+        &mut self,
+        hit: &SceneHit,
+        direction: Vec3,
+        medium: Medium,
+    ) -> Option<()> {
+        let inside = &self.solids[..self.depth];
+        let leaves = hit.normal.dot(direction) >= 0.0;
+        if leaves && !inside.iter().any(|&(solid, _)| solid == hit.instance) {
+            return None;
+        }
+        self.cross(hit, direction, medium);
+        Some(())
+    }
+
+    /// Returns true if the path is inside of no solid.
+    pub(crate) fn is_outside(&self) -> bool {
+        self.depth == 0
+    }
+
     /// Returns the medium around the path, unless it is empty.
     pub(crate) fn innermost(&self) -> Option<&Medium> {
         let (_, medium) = self.solids[..self.depth].last()?;

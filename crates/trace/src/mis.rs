@@ -12,3 +12,21 @@ pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     let ratio = other / pdf;
     1.0 / (1.0 + ratio * ratio)
 }
+
+/// Returns the weight of a path that light samples find `sampled` times as densely as the BSDF, and
+/// light paths `light` times as densely, if it was found by the BSDF.
+pub(crate) fn weight_of_bsdf(sampled: f32, light: f32) -> f32 {
+    1.0 / (1.0 + sampled * sampled + light * light)
+}
+
+/// Returns the weight of the same path if it was found by a light sample.
+pub(crate) fn weight_of_light_sample(sampled: f32, light: f32) -> f32 {
+    let rest = 1.0 / sampled;
+    1.0 / (1.0 + rest * rest * (1.0 + light * light))
+}
+
+/// Returns the weight of the same path if it was found by a light path.
+pub(crate) fn weight_of_light_path(light: f32, sampled: f32) -> f32 {
+    let rest = 1.0 / light;
+    1.0 / (1.0 + rest * rest * (1.0 + sampled * sampled))
+}

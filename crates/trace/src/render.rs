@@ -1,7 +1,7 @@
 //! Rendering a world into a film.
 
 use crate::context::{Arrived, Context};
-use crate::film::{Film, FilmHeader, FilmSample, Limits, Progress};
+use crate::film::{Film, FilmHeader, FilmSample, Limits, Progress, Splats};
 use crate::{Options, RenderError, Sampler, View, World, camera_ray};
 use rotund_scene::Camera;
 use std::ops::ControlFlow;
@@ -110,10 +110,13 @@ fn take_samples(
         // Rounding may make a sample a little brighter than the light that it shows.
         brightest: brightest * (1.0 + 1.0 / 1024.0),
     };
-    let integrator = |x: u32, y: u32, sample: u32| {
+    let context = context.with_light_paths(camera, options);
+    let integrator = |x: u32, y: u32, sample: u32, splats: &mut Splats| {
         let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
         let ray = camera_ray(camera, size, [x, y], &sampler);
         let Arrived { radiance, covered, rays } = context.look(options.view, ray, &sampler);
+        let rays =
+            rays + context.trace_light(options, [x, y, sample], &mut |splat| splats.push(splat));
         FilmSample { radiance, covered, rays }
     };
     film.take_samples(options.samples, limits, &integrator, progress);

@@ -38,6 +38,8 @@ pub struct Sampler {
 /// Bits of the length of a sequence of the crate `sobol_burley`; longer ones continue with another
 /// scramble.
 const SEQUENCE_BITS: u32 = 16;
+/// Tells the numbers of light paths from those of pixels.
+const LIGHT: u64 = 0x6c69_6768_7400_0000;
 
 impl Sampler {
     /// Makes the sampler of the `sample`-th path of pixel `(x, y)`.
@@ -52,6 +54,20 @@ impl Sampler {
                 Self { sequence, key, index: index.reverse_bits() }
             }
             Sequence::Independent => Self { sequence, key: mix(key ^ u64::from(sample)), index: 0 },
+        }
+    }
+
+    /// Makes the sampler of a light path, which belongs to no pixel.
+    #[must_use]
+    pub(crate) fn of_light_path(sequence: Sequence, seed: u64, number: u64) -> Self {
+        let key = mix(mix(seed) ^ LIGHT);
+        match sequence {
+            Sequence::Sobol => {
+                let key = mix(key ^ number >> SEQUENCE_BITS);
+                let index = number as u32 & ((1 << SEQUENCE_BITS) - 1);
+                Self { sequence, key, index: index.reverse_bits() }
+            }
+            Sequence::Independent => Self { sequence, key: mix(key ^ number), index: 0 },
         }
     }
 
@@ -70,6 +86,12 @@ impl Sampler {
                 Self { key: mix(self.key ^ mix(u64::from(part) + 1)), ..*self }
             }
         }
+    }
+
+    /// Returns the sampler of a path that branches off this one at a segment.
+    #[must_use]
+    pub(crate) fn branch(&self, segment: u32) -> Self {
+        Self { key: mix(self.key ^ mix(u64::from(segment) | 1 << 32)), ..*self }
     }
 
     /// Returns the four numbers of a set. Each decision of a path needs a set of its own;

@@ -27,8 +27,18 @@ pub(crate) struct Target<'a> {
     pub(crate) borders: u32,
 }
 
+/// What is between both ends.
+pub(crate) struct Visible {
+    /// Transmittance.
+    pub(crate) share: Vec3,
+    /// Number of rays traced.
+    pub(crate) rays: u64,
+    /// The ray passes borders of clouds.
+    pub(crate) clouds: bool,
+}
+
 impl Context<'_> {
-    /// Returns the transmittance between both ends, and the number of rays traced.
+    /// Returns what is between both ends.
     ///
     /// Surfaces of partial opacity attenuate light, clouds absorb it and scatter it away, and other
     /// surfaces block it.
@@ -37,7 +47,7 @@ impl Context<'_> {
         departure: &Departure<'_>,
         target: &Target<'_>,
         media: &Media,
-    ) -> (Vec3, u64) {
+    ) -> Visible {
         let incoming = target.incoming;
         // Copied only where the ray crosses a border.
         let mut media = Cow::Borrowed(media);
@@ -65,13 +75,15 @@ impl Context<'_> {
         let mut ray = segment(origin);
         if self.facts.opaque {
             let blocked = self.trees.any_after(self.scene, &ray, left);
-            return (if blocked { Vec3::ZERO } else { last_piece(&media, origin) }, 1);
+            let share = if blocked { Vec3::ZERO } else { last_piece(&media, origin) };
+            return Visible { share, rays: 1, clouds: false };
         }
         let mut share = Vec3::ONE;
         let mut borders = target.borders;
         for rays in 1..=u64::from(SHEETS) {
             let Some(sheet) = self.trees.closest_after(self.scene, &ray, left) else {
-                return (share * last_piece(&media, ray.origin), rays);
+                let share = share * last_piece(&media, ray.origin);
+                return Visible { share, rays, clouds: borders < target.borders };
             };
             share *= media.transmittance(sheet.position.distance(ray.origin));
             let material = self.scene.eval_material(sheet.instance, sheet.element, sheet.uv);
@@ -81,11 +93,11 @@ impl Context<'_> {
             } else if material.opacity < 1.0 {
                 share *= 1.0 - material.opacity;
             } else {
-                return (Vec3::ZERO, rays);
+                return Visible { share: Vec3::ZERO, rays, clouds: false };
             }
             ray = segment(sheet.spawn(incoming).origin);
             left = sheet.left_by(incoming);
         }
-        (Vec3::ZERO, u64::from(SHEETS))
+        Visible { share: Vec3::ZERO, rays: u64::from(SHEETS), clouds: false }
     }
 }

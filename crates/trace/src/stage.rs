@@ -1,6 +1,7 @@
 //! A scene with its trees and lights, for programs that change how it is seen.
 
 use crate::context::Facts;
+use crate::light::casts;
 use crate::world::NearCache;
 use crate::{Lights, World};
 use glam::Vec3;
@@ -12,8 +13,8 @@ use std::sync::Arc;
 ///
 /// It owns the scene, so that nothing else changes, and [`Self::world`] costs nothing: the scene
 /// need not be validated again. A change does the least that it must. Of a method or camera no tree
-/// is built or refitted; of a method lights are built anew only if shapes that it concerns emit; of
-/// an overlap trees are refitted.
+/// is built or refitted; of a method lights are built anew only if shapes that it concerns emit or
+/// are of smooth glass or metal; of an overlap trees are refitted.
 ///
 /// ```
 /// use rotund_trace::scene::{Camera, ElementKind, Material, Method, Scene, Shape};
@@ -78,11 +79,12 @@ impl Stage {
             return;
         }
         self.near = Arc::default();
-        let emits = self.scene.instances.iter().any(|instance| {
-            changed[instance.shape as usize]
-                && self.scene.materials[instance.material as usize].emission != Vec3::ZERO
+        let matters = self.scene.instances.iter().any(|instance| {
+            let material = &self.scene.materials[instance.material as usize];
+            let sampled = material.emission != Vec3::ZERO || casts(material);
+            changed[instance.shape as usize] && sampled
         });
-        if emits {
+        if matters {
             self.lights = Lights::of_valid(&self.scene);
         }
     }

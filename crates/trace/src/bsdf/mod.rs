@@ -184,6 +184,27 @@ impl Bsdf {
         }
     }
 
+    /// Returns the two directions that a smooth boundary of dielectrics reflects and transmits,
+    /// each with its share of the light as weight, and the probability of the first; `None` for
+    /// other surfaces, and where the boundary reflects everything.
+    pub(crate) fn both(&self) -> Option<([BsdfSample; 2], f32)> {
+        let outgoing = self.outgoing;
+        let (f, through, color) = match self.lobes {
+            Lobes::Sheet { ior, color } => (fresnel::dielectric(ior, outgoing.z), -outgoing, color),
+            Lobes::Glass { eta } => {
+                let through = refract(eta, outgoing, Vec3::Z)?;
+                (fresnel::dielectric(eta, outgoing.z), through, Vec3::ONE)
+            }
+            _ => return None,
+        };
+        let mirrored = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
+        let delta = |incoming: Vec3, weight: Vec3| {
+            let incoming = self.frame.world_from_local(incoming);
+            BsdfSample { incoming, weight, pdf: None }
+        };
+        Some(([delta(mirrored, Vec3::splat(f)), delta(through, (1.0 - f) * color)], f))
+    }
+
     /// Samples an incoming direction: `choice` picks the lobe, `u` the direction in it, all uniform
     /// in `0.0..1.0`. Returns `None` if the surface absorbs the path.
     #[must_use]

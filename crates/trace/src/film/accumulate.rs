@@ -3,7 +3,7 @@
 use super::schedule::Schedule;
 use super::{Film, PixelSum};
 use crate::Shard;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -49,6 +49,18 @@ impl Progress<'_> {
     }
 }
 
+/// Light for any pixels, beside that of the sample which found it.
+pub(crate) type Splats = Vec<Splat>;
+
+/// Light that belongs to a pixel but to none of its samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Splat {
+    /// Place in the picture, `0.0..1.0`.
+    pub(crate) image_uv: Vec2,
+    /// What to add to the sum of the samples of the pixel.
+    pub(crate) radiance: Vec3,
+}
+
 /// Treatment of bright samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
@@ -63,8 +75,9 @@ impl Limits {
 }
 
 /// Statistics of the samples of a batch.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 struct Tally {
+    splats: Splats,
     samples: u64,
     rays: u64,
     rejected: u64,
@@ -126,7 +139,8 @@ impl Film {
         integrator: impl Fn(u32, u32, u32) -> FilmSample + Sync,
         progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
     ) {
-        self.take_samples(samples, Limits::NONE, &integrator, progress);
+        let alone = |x: u32, y: u32, sample: u32, _: &mut Splats| integrator(x, y, sample);
+        self.take_samples(samples, Limits::NONE, &alone, progress);
     }
 
     /// [`Self::accumulate_with`], with a treatment of bright samples.
@@ -134,7 +148,7 @@ impl Film {
         &mut self,
         samples: u32,
         limits: Limits,
-        integrator: &(impl Fn(u32, u32, u32) -> FilmSample + Sync),
+        integrator: &(impl Fn(u32, u32, u32, &mut Splats) -> FilmSample + Sync),
         progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
     ) {
         let start = Instant::now();
@@ -197,7 +211,7 @@ impl Film {
         batch: &Batch,
         shard: Shard,
         limits: Limits,
-        integrator: &(impl Fn(u32, u32, u32) -> FilmSample + Sync),
+        integrator: &(impl Fn(u32, u32, u32, &mut Splats) -> FilmSample + Sync),
     ) -> Tally {
         let (width, minimum) = (self.header.width as usize, self.header.samples);
         let run = |(index, pixels): (usize, &mut [PixelSum])| {
@@ -216,38 +230,66 @@ impl Film {
                 tally.finished += 1;
                 tally.advanced += usize::from(sum.samples == minimum);
                 while sum.samples < batch.samples {
-                    let sample = integrator(x, y, shard.sample_index(sum.samples));
+                    let index = shard.sample_index(sum.samples);
+                    let sample = integrator(x, y, index, &mut tally.splats);
                     tally.add(sum, sample, limits);
                 }
             }
             tally
         };
-        self.pixels[batch.pixels.clone()]
+        let tally = self.pixels[batch.pixels.clone()]
             .par_chunks_mut(batch.run)
             .enumerate()
             .with_max_len(1)
             .map(run)
-            .reduce(Tally::default, Tally::join)
+            .reduce(Tally::default, Tally::join);
+        self.add_splats(tally, limits)
+    }
+
+    /// Adds the light of light paths to the pixels that see it.
+    fn add_splats(&mut self, mut tally: Tally, limits: Limits) -> Tally {
+        let [width, height] = [self.header.width, self.header.height];
+        for Splat { image_uv, radiance } in std::mem::take(&mut tally.splats) {
+            // Rounding may lead to the right or lower edge.
+            let place = |share: f32, size: u32| ((share * size as f32) as u32).min(size - 1);
+            let (x, y) = (place(image_uv.x, width), place(image_uv.y, height));
+            let pixel = &mut self.pixels[y as usize * width as usize + x as usize];
+            let (radiance, bright) = tally.limit(radiance, limits);
+            let valid = pixel.add_light(radiance.to_array());
+            tally.judge(valid, bright, limits);
+        }
+        tally
     }
 }
 
 impl Tally {
     /// Adds a sample to a pixel.
     fn add(&mut self, sum: &mut PixelSum, sample: FilmSample, limits: Limits) {
-        let bright = sample.radiance.max_element();
-        let clamped = bright > limits.clamp;
-        let radiance =
-            if clamped { sample.radiance * (limits.clamp / bright) } else { sample.radiance };
+        let (radiance, bright) = self.limit(sample.radiance, limits);
         let valid = sum.add(radiance.to_array(), sample.covered);
         self.samples += 1;
         self.rays += sample.rays;
-        self.rejected += u64::from(!valid);
-        self.fireflies += u64::from(valid && bright > limits.brightest);
-        self.clamped += u64::from(clamped);
+        self.judge(valid, bright, limits);
     }
 
-    fn join(self, other: Self) -> Self {
+    /// Returns a radiance, scaled down to the limit, and its largest channel before.
+    fn limit(&mut self, radiance: Vec3, limits: Limits) -> (Vec3, f32) {
+        let bright = radiance.max_element();
+        let clamped = bright > limits.clamp;
+        self.clamped += u64::from(clamped);
+        (if clamped { radiance * (limits.clamp / bright) } else { radiance }, bright)
+    }
+
+    /// Counts what is wrong with an addition to a pixel.
+    fn judge(&mut self, valid: bool, bright: f32, limits: Limits) {
+        self.rejected += u64::from(!valid);
+        self.fireflies += u64::from(valid && bright > limits.brightest);
+    }
+
+    fn join(mut self, other: Self) -> Self {
+        self.splats.extend(other.splats);
         Self {
+            splats: self.splats,
             samples: self.samples + other.samples,
             rays: self.rays + other.rays,
             rejected: self.rejected + other.rejected,

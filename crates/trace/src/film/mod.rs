@@ -6,8 +6,8 @@ mod merge;
 mod pixel;
 mod schedule;
 
-pub(crate) use accumulate::Limits;
 pub use accumulate::{FilmSample, Progress};
+pub(crate) use accumulate::{Limits, Splat, Splats};
 pub use header::{FilmHeader, Origin};
 pub use merge::MergeError;
 pub(crate) use pixel::{PixelSum, Sum};
@@ -22,7 +22,8 @@ use rotund_image::Image;
 /// Sums are exact: radiance is counted in whole steps of 2⁻⁵⁶, so addition is associative. The same
 /// samples make the same bits in any order, on any number of threads, in one run or several, on one
 /// machine or several. Each pixel knows its number of samples, so [`Self::image`] is right at any
-/// moment, also in the middle of a pass over the pixels.
+/// moment, also in the middle of a pass over the pixels. Only light that a sample found for another
+/// pixel ([`crate::World::render`] traces paths from the lights) is up to one pass ahead there.
 ///
 /// A custom renderer fills a film with [`Self::accumulate`], or sample by sample with
 /// [`Self::add`].
@@ -148,7 +149,8 @@ impl Film {
     }
 
     /// Returns how many samples were rejected, and counted as black, because their radiance was
-    /// NaN, negative, or 2³⁹ or more.
+    /// NaN, negative, or 2³⁹ or more. What a path from a light adds to a pixel counts as a sample
+    /// here, and in [`Self::fireflies`] and [`Self::clamped`].
     #[must_use]
     pub fn rejected(&self) -> u64 {
         self.rejected
@@ -278,6 +280,8 @@ fn room_in<T>(mut memory: Vec<T>, width: u32, height: u32) -> Result<Vec<T>, Fil
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Vec2, vec2};
+    use std::ops::ControlFlow;
 
     #[test]
     fn samples_are_those_that_every_pixel_has() {
@@ -308,6 +312,24 @@ mod tests {
         let larger = options(31, 20, 1);
         let film = film.restart(&larger).expect("a film");
         assert_eq!(film, Film::for_options(&larger).expect("a film"));
+    }
+
+    #[test]
+    fn light_for_other_pixels_is_added_limited_and_counted() {
+        let mut film = Film::new(4, 2).expect("a film");
+        let limits = Limits { clamp: 4.0, brightest: 2.0 };
+        let sample = |x: u32, y: u32, _: u32, splats: &mut Splats| {
+            // From each pixel to the next one, from the last of a row to the first.
+            let image_uv = Vec2::new(((x + 1) % 4) as f32 + 0.5, y as f32 + 0.5) / vec2(4.0, 2.0);
+            let radiance = Vec3::splat([1.0, 3.0, 8.0, f32::NAN][x as usize]);
+            splats.push(Splat { image_uv, radiance });
+            FilmSample::from(Vec3::ONE)
+        };
+        film.take_samples(2, limits, &sample, &mut |_| ControlFlow::Continue(()));
+        let row: Vec<f32> = film.image().pixels[4..].iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(row, [1.0, 2.0, 4.0, 5.0]);
+        assert_eq!((film.rejected(), film.fireflies(), film.clamped()), (4, 8, 4));
+        assert_eq!(film.samples(), 2);
     }
 
     #[test]

@@ -11,7 +11,8 @@ impl Sum {
     }
 
     fn add(&mut self, steps: u128) {
-        let sum = self.get() + steps;
+        // No sum of a picture comes near the limit. Saturation keeps addition associative.
+        let sum = self.get().saturating_add(steps);
         self.0 = [sum as u64, (sum >> 64) as u64];
     }
 }
@@ -38,6 +39,11 @@ impl PixelSum {
     pub(super) fn add(&mut self, radiance: [f32; 3], covered: bool) -> bool {
         self.samples += 1;
         self.covered += u32::from(covered);
+        self.add_light(radiance)
+    }
+
+    /// Adds light that belongs to the pixel but to none of its samples; see [`Self::add`].
+    pub(super) fn add_light(&mut self, radiance: [f32; 3]) -> bool {
         // The comparison is false for NaN and true for negative zero.
         let valid = radiance.iter().all(|&c| (0.0..LIMIT).contains(&c));
         if valid {
@@ -57,18 +63,18 @@ impl PixelSum {
         }
     }
 
-    /// Returns true if at most `most` samples can have made this sum. Sums from files are checked,
-    /// so that none can overflow later.
+    /// Returns true if at most `most` samples can have made this sum. The radiance has no limit:
+    /// that of light paths does not depend on the samples of the pixel.
     pub(crate) fn is_possible(&self, most: u32) -> bool {
-        let limit = u128::from(self.samples) << (39 + FRACTION_BITS);
-        self.samples <= most
-            && self.covered <= self.samples
-            && self.radiance.iter().all(|sum| sum.get() <= limit)
+        self.samples <= most && self.covered <= self.samples
     }
 
     /// Returns mean radiance and coverage, rounded once; black and transparent without samples.
     pub(super) fn mean(&self) -> [f32; 4] {
-        let count = f64::from(self.samples.max(1));
+        if self.samples == 0 {
+            return [0.0; 4];
+        }
+        let count = f64::from(self.samples);
         let scale = (-f64::from(FRACTION_BITS)).exp2() / count;
         let [r, g, b] = self.radiance.map(|sum| (sum.get() as f64 * scale) as f32);
         [r, g, b, (f64::from(self.covered) / count) as f32]
@@ -147,8 +153,14 @@ mod tests {
         let mut bright = PixelSum::default();
         assert!(bright.add([super::LIMIT.next_down(); 3], true));
         assert!(bright.is_possible(1) && !bright.is_possible(0));
-        let overflowing = PixelSum { radiance: [super::Sum([0, u64::MAX]); 3], ..bright };
-        assert!(!overflowing.is_possible(u32::MAX));
         assert!(!PixelSum { covered: 2, ..bright }.is_possible(9));
+    }
+
+    #[test]
+    fn a_sum_that_does_not_fit_is_the_largest() {
+        let mut full = PixelSum { radiance: [super::Sum([u64::MAX; 2]); 3], ..Default::default() };
+        assert!(full.add([1.0; 3], true));
+        full.merge(&full.clone());
+        assert_eq!(full.radiance, [super::Sum([u64::MAX; 2]); 3]);
     }
 }

@@ -74,17 +74,7 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
         material.emission_tex.is_some() || material.color_tex.is_some() || !shape.colors.is_empty();
     let emitter = |element: u32| {
         let surface = surface(shape, instance, element as usize);
-        let mut emitter = Emitter {
-            surface,
-            instance: index,
-            element,
-            constant: None,
-            power: 0.0,
-            center: Vec3::ZERO,
-            far2: 0.0,
-            error: 0.0,
-        };
-        emitter.measure();
+        let mut emitter = Emitter::dark(surface, index, element);
         let area = emitter.area();
         if area > 0.0 && area.is_finite() {
             let mean = emitter.mean_radiance(scene, varies);
@@ -99,6 +89,18 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
         a.join(b);
     }
     Some(emitters)
+}
+
+/// Returns an element that passes light on instead of emitting it. It has power if it can be
+/// sampled.
+pub(super) fn of_caster(scene: &Scene, index: u32, element: u32) -> Emitter {
+    let instance = &scene.instances[index as usize];
+    let shape = &scene.shapes[instance.shape as usize];
+    let surface = surface(shape, instance, element as usize);
+    let mut caster = Emitter::dark(surface, index, element);
+    let area = caster.area();
+    caster.power = if area.is_finite() { area } else { 0.0 };
+    caster
 }
 
 fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
@@ -150,6 +152,22 @@ fn scale(frame: &Affine3A) -> Option<f32> {
 }
 
 impl Emitter {
+    /// An element without power.
+    fn dark(surface: Surface, instance: u32, element: u32) -> Self {
+        let mut emitter = Self {
+            surface,
+            instance,
+            element,
+            constant: None,
+            power: 0.0,
+            center: Vec3::ZERO,
+            far2: 0.0,
+            error: 0.0,
+        };
+        emitter.measure();
+        emitter
+    }
+
     /// Returns the indices of instance and element.
     pub(super) fn element(&self) -> (u32, u32) {
         (self.instance, self.element)
@@ -255,6 +273,23 @@ impl Emitter {
             Surface::SecondHalf | Surface::None => (Aabb::EMPTY, Vec3::ZERO),
         };
         Extent { bounds, power: self.power, normal }
+    }
+
+    /// Returns a ball around the surface.
+    pub(super) fn ball(&self) -> Ball {
+        match &self.surface {
+            Surface::Ball(ball) => *ball,
+            Surface::Cone(cone) => {
+                let [b0, b1] = cone.balls;
+                let reach = 0.5 * b0.center.distance(b1.center);
+                let center = 0.5 * (b0.center + b1.center);
+                Ball { center, radius: reach + b0.radius.max(b1.radius) }
+            }
+            _ => {
+                let Aabb { min, max } = self.extent().bounds;
+                Ball { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() }
+            }
+        }
     }
 
     /// Samples a point that may be visible from `from`, or returns `None`.

@@ -1,5 +1,6 @@
 //! Light sources, and importance sampling of them.
 
+mod casters;
 mod emitter;
 mod environment;
 mod flat;
@@ -11,6 +12,7 @@ mod spherical_triangle;
 mod tests;
 mod tree;
 
+pub(crate) use casters::{Casters, casts};
 use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
@@ -19,7 +21,8 @@ use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem, Trees};
 pub use tree::Receiver;
 use tree::{Extent, LightTree};
 
-/// The light sources of a scene, in tables that importance-sample them from any point.
+/// The light sources of a scene, in tables that importance-sample them from any point, and the
+/// surfaces of smooth glass and metal, which light paths are aimed at.
 ///
 /// # Direct illumination with multiple importance sampling
 ///
@@ -80,6 +83,7 @@ pub struct Lights {
     first_emitter: Vec<Option<u32>>,
     environments: EnvironmentLights,
     brightest: f32,
+    casters: Casters,
 }
 
 /// A direction sampled from the lights.
@@ -173,17 +177,20 @@ impl Lights {
             })
             .collect();
         let extents: Vec<Extent> = emitters.iter().map(Emitter::extent).collect();
-        Self {
+        let mut lights = Self {
             tree: LightTree::new(&extents),
             emitters,
             first_emitter,
             environments: EnvironmentLights::new(scene),
             brightest: brightest(scene),
-        }
+            casters: Casters::default(),
+        };
+        lights.casters = Casters::new(scene, &lights);
+        lights
     }
 
     /// Checks that a scene has as many instances and environments as the one of the lights, and
-    /// each instance with emitters as many elements: all that indices rely on.
+    /// each instance with emitters or casters as many elements: all that indices rely on.
     pub(crate) fn check_counts(&self, scene: &Scene) -> Result<(), SceneError> {
         for (what, before, now) in [
             ("instances", self.first_emitter.len(), scene.instances.len()),
@@ -193,7 +200,7 @@ impl Lights {
                 return Err(SceneError::LightsChanged { item: None, what, before, now });
             }
         }
-        for (index, before) in self.emitter_counts() {
+        for (index, before) in self.emitter_counts().chain(self.casters.counts()) {
             let instance = &scene.instances[index];
             let now = scene.shapes[instance.shape as usize].elements.count();
             if before != now {
@@ -218,6 +225,28 @@ impl Lights {
     /// Returns a bound on the radiance of every light in each channel, and so of every pixel.
     pub(crate) fn brightest(&self) -> f32 {
         self.brightest
+    }
+
+    /// Returns an estimate of the light that arrives at a receiver, without occlusion.
+    fn arriving(&self, receiver: &Receiver) -> f32 {
+        self.tree.importance(receiver) + 0.5 * self.environments.power()
+    }
+
+    /// Returns the point of a sampled light as a hit of a ray, for [`Self::pdf`]; `None` for an
+    /// environment. Round emitters have no parameters here.
+    pub(crate) fn hit(&self, light: &LightSample) -> Option<SceneHit> {
+        let (Some((emitter, uv)), Some(source)) = (light.emitter, &light.source) else {
+            return None;
+        };
+        let LightSource { position, normal, error } = *source;
+        let (instance, element) = self.emitters[emitter as usize].element();
+        let uv = uv.unwrap_or_default();
+        Some(SceneHit { instance, element, uv, t: 0.0, position, normal, error })
+    }
+
+    /// Returns the surfaces that pass light on.
+    pub(crate) fn casters(&self) -> &Casters {
+        &self.casters
     }
 
     /// Returns the probability that an environment is sampled rather than an emitter.

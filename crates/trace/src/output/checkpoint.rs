@@ -8,7 +8,7 @@
 //! | 4 | length of the header as `u32`, such that the header ends at a multiple of eight bytes |
 //! | | the header |
 //! | 8 | hash of all before it |
-//! | 56 for each pixel | three sums as `u128`; the covered samples and all samples as `u32` |
+//! | 56 for each pixel | three sums as `u128`, light paths included; the covered samples and all samples as `u32` |
 //! | 8 | hash of all before it, so that a truncated or altered file is refused |
 //!
 //! The header is width, height, shard count, number of shards held, and the index of each as `u32`;
@@ -26,7 +26,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-const MAGIC: &[u8; 16] = b"rotund film 004\n";
+const MAGIC: &[u8; 16] = b"rotund film 005\n";
 /// The part of the magic that all versions share.
 const MAGIC_START: &[u8] = b"rotund film ";
 /// Bytes before the header.

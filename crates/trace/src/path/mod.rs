@@ -5,15 +5,20 @@
 //! since each technique could have sampled the direction of the other. The path continues along the
 //! second direction; the surface that it hits tells with which density the lights would have
 //! sampled it. Inside of a solid that scatters, no light can be sampled through the refracting
-//! wall; there a path is split, and all parts continue.
+//! wall; there a path is split, and all parts continue. Smooth glass before the first rough surface
+//! both reflects and transmits, so a path branches there. Light that casters send to a rough
+//! surface is found by paths from the lights too ([`crate::light_path`]); the weights tell.
 
+mod reverse;
 mod scatter;
 
 use crate::context::{Arrived, Context};
 use crate::medium::{Media, Medium};
+use crate::mis::weight_of_bsdf;
 use crate::opacity::{SHEET_SETS, SHEETS};
 use crate::{Receiver, Sampler, power_heuristic};
 use glam::Vec3;
+use reverse::Reverse;
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, SceneHit};
 
@@ -28,6 +33,12 @@ const SETS_PER_SEGMENT: u32 = 3;
 /// sampled there through the wall, so all of it comes from the few paths that find the way out.
 /// Four parts share the cost of the segments before the split.
 const PARTS: u32 = 4;
+
+/// Largest number of branches of a path on average. Smooth dielectrics between the camera and the
+/// first rough surface both reflect and transmit; a branch with less than one over this number of
+/// the light is followed by chance, as if it had so much. A bright lamp that glass reflects once is
+/// most of the noise of a picture of glass otherwise.
+const BRANCHES: f32 = 8.0;
 
 /// The vertex at which the last direction was sampled, unless it was a delta direction.
 #[derive(Clone, Copy)]
@@ -46,6 +57,8 @@ struct Path<'a> {
     /// The instance on whose outside the ray starts.
     left: Option<u32>,
     throughput: Vec3,
+    /// The factor of the throughput that is due to branches: at least one over [`BRANCHES`].
+    share: f32,
     origin: Option<Origin>,
     media: Media,
     /// Number of the segment along `ray`, counted from 1 at the camera.
@@ -54,8 +67,14 @@ struct Path<'a> {
     sheets: u32,
     /// The path has been split already: it is one of [`PARTS`].
     part: bool,
+    /// What light paths that would find this path need to be weighted, unless none would.
+    reverse: Option<Reverse>,
+    /// Where the path started.
+    lens: Vec3,
     /// Nothing has changed the direction since the camera.
     straight: bool,
+    /// All vertices so far were smooth.
+    smooth: bool,
     arrived: Arrived,
 }
 
@@ -78,12 +97,16 @@ impl Context<'_> {
             ray,
             left: None,
             throughput: Vec3::ONE,
+            share: 1.0,
             origin: None,
             media: Media::default(),
             segment: 1,
             sheets: 0,
             part: false,
+            reverse: None,
+            lens: ray.origin,
             straight: true,
+            smooth: true,
             arrived: Arrived::default(),
         };
         path.follow()
@@ -158,6 +181,7 @@ impl Path<'_> {
         }
         if material.kind == MaterialKind::Volumetric {
             // `origin` stays: light samples pass the borders of clouds as well.
+            self.reverse = None;
             self.media.cross(hit, self.ray.direction, Medium::new(&material));
             self.pass(hit);
             self.segment += 1;
@@ -190,25 +214,36 @@ impl Path<'_> {
         }
         let receiver = self.origin.as_ref().map(|origin| &origin.receiver);
         let (radiance, other) = lights.environment(scene, receiver, self.ray.direction);
-        let weight = self.origin.as_ref().map_or(1.0, |origin| power_heuristic(origin.pdf, other));
+        let weight = self.weight(other, || self.found_from_sky(self.ray.direction));
         self.arrived.radiance += weight * self.throughput * radiance;
         self.arrived.covered |= !scene.environments.is_empty();
     }
 
     fn gather_emission(&mut self, hit: &SceneHit, emission: Vec3) {
         if emission != Vec3::ZERO && !self.context.furnace {
-            let weight = self.origin.as_ref().map_or(1.0, |origin| {
-                power_heuristic(origin.pdf, self.context.lights.pdf(&origin.receiver, hit))
-            });
+            let lights = self.context.lights;
+            let of_sample = |origin: &Origin| lights.pdf(&origin.receiver, hit);
+            let other = self.origin.as_ref().map_or(0.0, of_sample);
+            let weight = self.weight(other, || self.found_from(hit));
             self.arrived.radiance += weight * self.throughput * emission;
         }
+    }
+
+    /// Returns the weight of light that the BSDF found and a light sample finds with density
+    /// `other`. `light` is the density of light paths relative to that of this one.
+    fn weight(&self, other: f32, light: impl Fn() -> f32) -> f32 {
+        let Some(_) = self.reverse else {
+            return self.origin.as_ref().map_or(1.0, |o| power_heuristic(o.pdf, other));
+        };
+        weight_of_bsdf(self.origin.as_ref().map_or(0.0, |o| other / o.pdf), light())
     }
 
     /// Takes the next segment, unless the throughput is zero or Russian roulette ends the path.
     #[inline(always)]
     fn continue_along(&mut self, ray: Ray, left: Option<u32>, roulette: f32) -> Next {
         if self.segment >= ROULETTE_AFTER {
-            let survival = (self.throughput.max_element() / ROULETTE_BELOW).min(0.99);
+            let usual = ROULETTE_BELOW * self.share;
+            let survival = (self.throughput.max_element() / usual).min(0.99);
             if roulette >= survival {
                 return Next::End;
             }

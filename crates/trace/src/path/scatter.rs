@@ -1,13 +1,15 @@
 //! Scattering at a vertex of a path: direct illumination, and the direction that goes on.
 
-use super::{Next, Origin, Path};
-use crate::context::Context;
+use super::{BRANCHES, Next, Origin, Path};
+use crate::context::{Arrived, Context};
 use crate::medium::Medium;
-use crate::shadow::{Departure, Target};
-use crate::{Bsdf, Receiver, phase, power_heuristic};
+use crate::mis::weight_of_light_sample;
+use crate::shadow::{Departure, Target, Visible};
+use crate::vertex::{Vertex, sides_agree};
+use crate::{BsdfSample, Receiver, phase, power_heuristic};
 use glam::{Vec2, Vec3};
 use rotund_geometry::Ray;
-use rotund_scene::{MaterialKind, MaterialPoint, Scene, SceneHit};
+use rotund_scene::{MaterialKind, MaterialPoint, SceneHit};
 
 impl Path<'_> {
     /// Samples a light and adds its contribution. `scatter` returns the value of the BSDF or phase
@@ -16,6 +18,7 @@ impl Path<'_> {
         &mut self,
         receiver: &Receiver,
         departure: &Departure<'_>,
+        vertex: Option<&Vertex<'_>>,
         scatter: impl Fn(Vec3) -> (Vec3, f32),
     ) {
         let Context { scene, trees, lights, bounces, furnace, .. } = self.context;
@@ -28,16 +31,23 @@ impl Path<'_> {
         if value == Vec3::ZERO {
             return;
         }
-        let weight = power_heuristic(light.pdf, pdf) / light.pdf;
         let target = Target {
             incoming: light.incoming,
             source: light.source.as_ref(),
             borders: bounces - self.segment - 1,
         };
-        let (share, rays) = self.context.visibility(departure, &target, &self.media);
+        let seen = self.context.visibility(departure, &target, &self.media);
+        let Visible { share, rays, clouds } = seen;
         self.arrived.rays += rays;
         if share != Vec3::ZERO && !lights.is_covered(scene, trees, &light) {
             let radiance = lights.radiance(scene, &light);
+            let found = vertex.filter(|_| !clouds);
+            let found = found.and_then(|vertex| self.found_with(vertex, &light, pdf));
+            let weight = found.map_or_else(
+                || power_heuristic(light.pdf, pdf),
+                |found| weight_of_light_sample(light.pdf / pdf, found),
+            );
+            let weight = weight / light.pdf;
             self.arrived.radiance += self.throughput * share * weight * value * radiance;
         }
     }
@@ -53,7 +63,7 @@ impl Path<'_> {
         // The refracting wall blocks direct illumination from outside.
         let lit = !medium.walled || self.context.facts.lit_inside;
         if lit {
-            self.gather_light(&receiver, &Departure::Inside(position), |incoming| {
+            self.gather_light(&receiver, &Departure::Inside(position), None, |incoming| {
                 let density = phase::henyey_greenstein(g, outgoing, incoming);
                 (Vec3::splat(density), density)
             });
@@ -62,41 +72,90 @@ impl Path<'_> {
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = lit.then_some(Origin { receiver, pdf });
+        self.reverse = None;
+        self.smooth = false;
         self.continue_along(Ray::new(position, incoming), None, roulette)
     }
 
     pub(super) fn scatter_at(&mut self, hit: &SceneHit, material: &MaterialPoint) -> Next {
         let outgoing = -self.ray.direction;
-        let normal = shading_normal(self.context.scene, hit, material.kind, outgoing);
-        let bsdf = Bsdf::new(material, normal, outgoing);
-        let wall = material.kind == MaterialKind::Refractive;
-        let both_sides = wall || material.kind == MaterialKind::Transparent;
-        let receiver = Receiver { position: hit.position, normal: (!both_sides).then_some(normal) };
-        let medium = wall.then(|| Medium::new(material));
-        let allowed = |incoming: Vec3| !wall || sides_agree(hit, normal, outgoing, incoming);
+        let vertex = Vertex { scene: self.context.scene, hit, material };
+        let (bsdf, normal) = vertex.bsdf(outgoing);
+        let receiver = vertex.receiver(normal);
+        let medium = (material.kind == MaterialKind::Refractive).then(|| Medium::new(material));
         if !bsdf.is_delta() {
             let departure = Departure::Surface { hit, outgoing, medium };
-            self.gather_light(&receiver, &departure, |incoming| {
+            self.gather_light(&receiver, &departure, Some(&vertex), |incoming| {
                 let value = bsdf.eval(incoming);
-                (if allowed(incoming) { value.value } else { Vec3::ZERO }, value.pdf)
+                let allowed = vertex.allows(normal, outgoing, incoming);
+                (if allowed { value.value } else { Vec3::ZERO }, value.pdf)
             });
         }
         let [x, y, choice, roulette] = self.numbers(1);
-        let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
-        let incoming = scattered.incoming;
-        if !allowed(incoming) {
-            return Next::End;
-        }
-        let mut divided = false;
-        if let Some(medium) = medium
-            && hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0
+        let wall = Wall { hit, outgoing, medium, normal };
+        if self.smooth
+            && let Some((both, f)) = bsdf.both()
         {
-            self.media.cross(hit, incoming, medium);
-            let inside = self.media.innermost();
-            divided = !self.part && inside.is_some_and(|medium| medium.albedo != Vec3::ZERO);
+            return self.branch(&wall, &both, f, choice, roulette);
         }
-        self.throughput *= scattered.weight;
+        let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
+        self.smooth &= scattered.pdf.is_none();
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
+        self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
+        self.leave(&wall, scattered.incoming, scattered.weight, roulette)
+    }
+
+    /// Follows both directions in which a smooth dielectric sends light, or one of them by chance.
+    ///
+    /// Both are followed with probabilities so large that what is followed has at least one over
+    /// [`BRANCHES`] of the light; one number decides on both, so that one of them always is.
+    fn branch(
+        &mut self,
+        wall: &Wall<'_>,
+        [mirrored, through]: &[BsdfSample; 2],
+        f: f32,
+        choice: f32,
+        roulette: f32,
+    ) -> Next {
+        let chance = |share: f32| (BRANCHES * self.share * share).min(1.0);
+        let (reflects, transmits) = (chance(f), chance(1.0 - f));
+        self.origin = None;
+        let take = |path: &mut Self, taken: &BsdfSample, share: f32, chance: f32| {
+            path.share *= share / chance;
+            path.leave(wall, taken.incoming, taken.weight / chance, roulette)
+        };
+        if choice < 1.0 - transmits && reflects > 0.0 {
+            return take(self, mirrored, f, reflects);
+        }
+        if choice < reflects {
+            let sampler = self.sampler.branch(self.segment);
+            let mut other = Path { sampler, arrived: Arrived::default(), ..self.clone() };
+            let arrived = match take(&mut other, mirrored, f, reflects) {
+                Next::Segment => other.follow(),
+                Next::Parts => other.divide(),
+                Next::End => Arrived::default(),
+            };
+            self.arrived.radiance += arrived.radiance;
+            self.arrived.rays += arrived.rays;
+        }
+        take(self, through, 1.0 - f, transmits)
+    }
+
+    /// Leaves a surface in a sampled direction.
+    fn leave(&mut self, wall: &Wall<'_>, incoming: Vec3, weight: Vec3, roulette: f32) -> Next {
+        let Wall { hit, outgoing, medium, normal } = *wall;
+        let mut divided = false;
+        if let Some(medium) = medium {
+            if !sides_agree(hit, normal, outgoing, incoming) {
+                return Next::End;
+            }
+            if hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0 {
+                self.media.cross(hit, incoming, medium);
+                let inside = self.media.innermost();
+                divided = !self.part && inside.is_some_and(|medium| medium.albedo != Vec3::ZERO);
+            }
+        }
+        self.throughput *= weight;
         match self.continue_along(hit.spawn(incoming), hit.left_by(incoming), roulette) {
             Next::Segment if divided => Next::Parts,
             next => next,
@@ -104,23 +163,11 @@ impl Path<'_> {
     }
 }
 
-/// Returns the shading normal, or for walls of solids the geometric normal where the two face
-/// different sides. At the silhouette of a mesh an interpolated normal can face away from the
-/// viewer, and a path that enters the solid would be taken for one that leaves it.
-fn shading_normal(scene: &Scene, hit: &SceneHit, kind: MaterialKind, outgoing: Vec3) -> Vec3 {
-    let normal = scene.shading_normal(hit, outgoing);
-    let turned = normal.dot(outgoing) * hit.normal.dot(outgoing) < 0.0;
-    if kind == MaterialKind::Refractive && turned { hit.normal } else { normal }
-}
-
-/// True if shading normal and geometric normal agree whether light is reflected or transmitted.
-/// Where the wall of a solid reflects by one and transmits by the other, a path would lose track of
-/// the solids that it is in.
-///
-/// Opaque surfaces skip this test: there the shading normal alone decides, as in most renderers,
-/// and a direction below the geometric surface meets the inside of a closed mesh, which is dark.
-fn sides_agree(hit: &SceneHit, normal: Vec3, outgoing: Vec3, incoming: Vec3) -> bool {
-    let shading = normal.dot(outgoing) * normal.dot(incoming) > 0.0;
-    let geometric = hit.normal.dot(outgoing) * hit.normal.dot(incoming) > 0.0;
-    shading == geometric
+/// A surface that a path leaves.
+struct Wall<'a> {
+    hit: &'a SceneHit,
+    outgoing: Vec3,
+    /// The medium behind, if the surface is the boundary of one.
+    medium: Option<Medium>,
+    normal: Vec3,
 }

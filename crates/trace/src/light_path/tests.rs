@@ -1,0 +1,262 @@
+//! Pictures with light paths and without them show the same light.
+
+use crate::film::{FilmSample, Limits, Splats};
+use crate::{Film, Options, Sampler, World, camera_ray};
+use glam::{Affine3A, Quat, Vec2, Vec3};
+use rotund_scene::{
+    Camera, Elements, Environment, Material, MaterialKind, Overlap, Pixels, Scene, Shape, Texture,
+};
+use std::ops::ControlFlow;
+
+const OPTIONS: Options = Options {
+    width: 24,
+    height: 16,
+    samples: 512,
+    bounces: 8,
+    seed: 11,
+    sequence: crate::Sequence::Sobol,
+    shard: crate::Shard { index: 0, count: 1 },
+    view: crate::View::Path,
+    clamp: None,
+    transparent: false,
+    recenter: true,
+};
+
+/// Renders with light paths or without them.
+fn render(scene: &Scene, options: &Options, light_paths: bool) -> Film {
+    let world = World::new(scene).expect("a valid scene");
+    let camera = &scene.cameras[0];
+    let mut context = world.context(options);
+    if light_paths {
+        context = context.with_light_paths(camera, options);
+        assert!(context.sensor.is_some(), "there is no caster");
+    }
+    let sample = |x: u32, y: u32, sample: u32, splats: &mut Splats| {
+        let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
+        let ray = camera_ray(camera, [options.width, options.height], [x, y], &sampler);
+        let found = context.trace(ray, &sampler);
+        context.trace_light(options, [x, y, sample], &mut |splat| splats.push(splat));
+        FilmSample { radiance: found.radiance, covered: found.covered, rays: 0 }
+    };
+    let mut film = Film::for_options(options).expect("a film");
+    film.take_samples(options.samples, Limits::NONE, &sample, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(film.rejected(), 0);
+    film
+}
+
+/// The blocks of a picture of 24 x 16 pixels that are compared: each 8 x 8.
+fn blocks(film: &Film) -> [f64; 6] {
+    let image = film.image();
+    let mut sums = [0.0; 6];
+    for (index, pixel) in image.pixels.iter().enumerate() {
+        let (x, y) = (index % 24, index / 24);
+        let light: f64 = pixel[..3].iter().map(|&c| f64::from(c)).sum();
+        sums[y / 8 * 3 + x / 8] += light / (3.0 * 64.0);
+    }
+    sums
+}
+
+fn material(kind: MaterialKind, color: [f32; 3], roughness: f32) -> Material {
+    Material { kind, color: color.into(), roughness, ..Material::default() }
+}
+
+fn shine(radiance: f32) -> Material {
+    Material { emission: Vec3::splat(radiance), ..Material::default() }
+}
+
+fn quad(corners: [[f32; 3]; 4]) -> Shape {
+    Shape::quads(corners.map(Vec3::from_array), [[0, 1, 2, 3]])
+}
+
+/// A matte floor before a camera that looks down on it.
+fn floor() -> Scene {
+    let eye = Vec3::new(0.3, 2.5, 2.5);
+    let camera = Camera { lens: 0.036, ..Camera::look_at(eye, Vec3::ZERO, Vec3::Y) };
+    let mut scene = Scene { cameras: vec![camera], ..Scene::default() };
+    let corners = [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]];
+    scene.add(quad(corners), material(MaterialKind::Matte, [0.8, 0.7, 0.6], 0.0));
+    scene
+}
+
+fn ball(center: [f32; 3], radius: f32) -> Shape {
+    Shape::points([Vec3::from_array(center)], radius)
+}
+
+fn lamp(scene: &mut Scene, radius: f32, radiance: f32) {
+    scene.add(ball([0.6, 2.2, -0.5], radius), shine(radiance));
+}
+
+/// Glass that is neither thick enough to be black nor thin enough to be clear.
+fn tinted(roughness: f32) -> Material {
+    Material { trdepth: 0.5, ..material(MaterialKind::Refractive, [0.9, 0.6, 0.4], roughness) }
+}
+
+/// A ring of metal that stands on the floor.
+fn ring(material: Material, scene: &mut Scene) {
+    const PARTS: u32 = 24;
+    let at = |i: u32, y: f32| {
+        let around = Vec2::from_angle(std::f32::consts::TAU * i as f32 / PARTS as f32);
+        Vec3::new(0.6 * around.x, y, 0.6 * around.y)
+    };
+    let positions: Vec<Vec3> = (0..PARTS).flat_map(|i| [at(i, 0.0), at(i, 0.4)]).collect();
+    let face = |i: u32| {
+        let next = (i + 1) % PARTS;
+        [2 * i, 2 * next, 2 * next + 1, 2 * i + 1]
+    };
+    let normals = positions.iter().map(|p| p.with_y(0.0).normalize()).collect();
+    let faces: Vec<_> = (0..PARTS).map(face).collect();
+    scene.add(Shape { normals, ..Shape::quads(positions, faces) }, material);
+}
+
+/// A scene and what it tests.
+type Case = (&'static str, Scene);
+
+fn cases() -> Vec<Case> {
+    let glass = MaterialKind::Refractive;
+    let metal = || material(MaterialKind::Reflective, [0.9, 0.8, 0.7], 0.0);
+    let with = |edit: &dyn Fn(&mut Scene)| {
+        let mut scene = floor();
+        edit(&mut scene);
+        scene
+    };
+    let glass_ball = |scene: &mut Scene| {
+        scene.add(ball([0.0, 0.6, 0.0], 0.4), material(glass, [1.0; 3], 0.0));
+    };
+    vec![
+        (
+            "a ball of glass under a lamp",
+            with(&|scene| {
+                glass_ball(scene);
+                lamp(scene, 0.3, 20.0);
+            }),
+        ),
+        (
+            "a ring of metal, its normals bent",
+            with(&|scene| {
+                ring(metal(), scene);
+                lamp(scene, 0.3, 20.0);
+            }),
+        ),
+        (
+            "a ring of rough metal",
+            with(&|scene| {
+                ring(Material { roughness: 0.3, ..metal() }, scene);
+                lamp(scene, 0.3, 20.0);
+            }),
+        ),
+        (
+            "tinted balls, one frosted, through a lens",
+            with(&|scene| {
+                scene.cameras[0].aperture = 0.3;
+                scene.add(ball([-0.5, 0.5, 0.0], 0.4), tinted(0.0));
+                scene.add(ball([0.5, 0.5, 0.2], 0.4), tinted(0.3));
+                lamp(scene, 0.3, 20.0);
+            }),
+        ),
+        (
+            "tubes of one body on a glossy floor, seen by parallel rays",
+            with(&|scene| {
+                scene.cameras[0] = scene.cameras[0].clone().orthographic(3.0);
+                scene.materials[0] = material(MaterialKind::Glossy, [0.5; 3], 0.4);
+                let ends = [[-0.6, 0.4, -0.3], [0.1, 0.3, 0.1], [0.7, 0.5, 0.0]];
+                let shape = Shape {
+                    elements: Elements::Lines(vec![[0, 1], [1, 2]]),
+                    positions: ends.map(Vec3::from_array).to_vec(),
+                    radii: vec![0.2, 0.3, 0.15],
+                    overlap: Overlap::Union,
+                    ..Shape::default()
+                };
+                scene.add(shape, tinted(0.0));
+                let lamp = [[-0.4, 2.0, -0.8], [0.4, 2.1, -0.8], [0.4, 2.0, 0.0], [-0.4, 2.0, 0.1]];
+                scene.add(quad(lamp), shine(20.0));
+            }),
+        ),
+        (
+            "a sheet that is half there, a pane and a mirror below a sun",
+            with(&|scene| {
+                let sheet = |x: f32, y: f32| {
+                    quad([[x, y, 0.6], [x + 0.9, y, 0.6], [x + 0.9, y, -0.6], [x, y, -0.6]])
+                };
+                let half = Material { opacity: 0.5, ..metal() };
+                scene.add(sheet(-0.4, 0.9), half);
+                scene.add(
+                    sheet(-0.6, 0.5),
+                    material(MaterialKind::Transparent, [0.5, 0.9, 0.7], 0.0),
+                );
+                scene.add(
+                    quad([[1.0, 0.0, 0.8], [1.2, 1.0, 0.8], [1.2, 1.0, -0.8], [1.0, 0.0, -0.8]]),
+                    metal(),
+                );
+                let sun = |i: usize| {
+                    if i == 16 * 4 + 5 { [40.0, 36.0, 30.0, 1.0] } else { [0.2, 0.2, 0.3, 1.0] }
+                };
+                scene.textures.push(Texture {
+                    name: String::new(),
+                    width: 16,
+                    height: 8,
+                    pixels: Pixels::Floats((0..128).map(sun).collect()),
+                });
+                scene.environments.push(Environment {
+                    name: String::new(),
+                    world_from_environment: Affine3A::from_quat(Quat::from_rotation_y(0.4)),
+                    emission: Vec3::ONE,
+                    emission_tex: Some(0),
+                });
+            }),
+        ),
+        (
+            "a lamp inside of glass beside a ball of glass",
+            with(&|scene| {
+                scene.add(ball([-0.6, 0.7, 0.0], 0.5), material(glass, [1.0; 3], 0.0));
+                scene.add(ball([-0.6, 0.7, 0.0], 0.35), shine(10.0));
+                scene.add(ball([0.5, 0.5, 0.0], 0.4), tinted(0.0));
+            }),
+        ),
+    ]
+}
+
+/// Number of pictures of each kind.
+const SEEDS: u64 = 8;
+
+/// Returns mean and standard error of each block over pictures of different seeds.
+fn estimate(scene: &Scene, samples: u32, light_paths: bool) -> [(f64, f64); 6] {
+    let pictures: Vec<[f64; 6]> = (0..SEEDS)
+        .map(|seed| Options { samples, seed: 2 * seed + u64::from(light_paths), ..OPTIONS })
+        .map(|options| blocks(&render(scene, &options, light_paths)))
+        .collect();
+    std::array::from_fn(|block| {
+        let values = || pictures.iter().map(|picture| picture[block]);
+        let mean = values().sum::<f64>() / SEEDS as f64;
+        let square = values().map(|value| (value - mean).powi(2)).sum::<f64>();
+        (mean, (square / (SEEDS * (SEEDS - 1)) as f64).sqrt())
+    })
+}
+
+/// The reference has no light paths: it is the mean of many paths from the camera.
+#[test]
+fn light_paths_change_no_light() {
+    for (why, scene) in cases() {
+        let without = estimate(&scene, 256, false);
+        let with = estimate(&scene, 64, true);
+        for (block, ((a, error_a), (b, error_b))) in with.into_iter().zip(without).enumerate() {
+            let error = error_a.hypot(error_b);
+            assert!(error < 0.06 * b, "{why}, block {block}: {a} and {b} within {error}");
+            let most = (0.005 * b).max(4.5 * error);
+            assert!((a - b).abs() < most, "{why}, block {block}: {a}, not {b} within {error}");
+        }
+    }
+}
+
+/// A lamp so small that paths from the camera rarely find it through glass.
+#[test]
+fn light_paths_find_what_glass_casts_of_a_small_lamp() {
+    let mut scene = floor();
+    scene.add(ball([0.0, 0.6, 0.0], 0.4), material(MaterialKind::Refractive, [1.0; 3], 0.0));
+    lamp(&mut scene, 0.05, 700.0);
+    let error = |light_paths| {
+        let blocks = estimate(&scene, 16, light_paths);
+        blocks.map(|(mean, error)| error / mean).into_iter().fold(0.0, f64::max)
+    };
+    let (without, with) = (error(false), error(true));
+    assert!(with < 0.1 * without, "relative errors of {without} without, {with} with light paths");
+}
