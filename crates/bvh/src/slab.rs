@@ -15,10 +15,10 @@
 //! - So for ends at `t >= 0` the computed near end is not after the true far end, and the far end
 //!   not before the near one, with a margin of `2 u t` for the `t` of a hit that was rounded to the
 //!   start of the interval. A near end may be late by `4 u t`, which the slack of limits covers.
-//! - For ends at `t < 0` the factor `1 + 16 u` moves them the wrong way, by less than `21 u |t|` with
-//!   their roundings. That matters only if the interval starts at `s < 0`, and then `b` is moved by
-//!   another `24 u |s|`. (If it does not, a near end behind the origin counts as zero, and a far end
-//!   behind it is a miss.)
+//! - For ends at `t < 0` the factor `1 + 16 u` moves them the wrong way, by less than `21 u |t|`
+//!   with their roundings. That matters only if the interval starts at `s < 0`, and then `b` is
+//!   moved by another `24 u |s|`. (If it does not, a near end behind the origin counts as zero, and
+//!   a far end behind it is a miss.)
 //!
 //! In space, a box grows by `4 u |o|`, two units in the last place of the origin, and `16 u` of the
 //! distance. Slopes and offsets are finite, so ends are not NaN; [`with_parallel_axes`] handles
@@ -233,9 +233,9 @@ fn with_parallel_axes(origin: Vec4, direction: Vec4, farthest: f32, margin: Vec4
 
 /// The direction divided by a power of two, and that power.
 ///
-/// The longest component becomes one or, for coordinates beyond [`RANGE`](crate::node::RANGE), `2^100`: then the
-/// parameters of all points are below `2^29`. As the power must be a number, tiny directions stay
-/// below; their rays do not get that far.
+/// The longest component becomes one or, for coordinates beyond [`RANGE`](crate::node::RANGE),
+/// `2^100`: then the parameters of all points are below `2^29`. As the power must be a number, tiny
+/// directions stay below; their rays do not get that far.
 #[cold]
 #[inline(never)]
 fn scaled(direction: Vec3, longest: f32, in_range: bool) -> (Vec3, f32) {

@@ -91,11 +91,11 @@ pub trait Kernel: Primitive + Copy + Send + Sync {
     /// around the call costs as much.
     const OUTLINE_EXACT_TEST: bool;
     /// Whether the exact test of a candidate computes the whole hit, instead of `t` alone and the
-    /// hit of the closest one at the end. It does where the wide test finds no hit for certain: then
-    /// the exact test of the closest one has run before.
+    /// hit of the closest one at the end. It does where the wide test finds no hit for certain:
+    /// then the exact test of the closest one has run before the end.
     const KEEP_HIT: bool;
-    /// Whether the test of a leaf is an outlined call. Then what the test of flat primitives needs of
-    /// the ray is broadcast at a leaf, and not for each ray, of which many meet none.
+    /// Whether the test of a leaf is an outlined call. Then what the test of flat primitives needs
+    /// of the ray is broadcast at a leaf, and not for each ray, of which many meet none.
     const OUTLINE_LEAF: bool;
     /// The ray, prepared for [`Kernel::candidates`].
     type LeafRay: Copy;

@@ -7,7 +7,7 @@
 //! # Derivation
 //!
 //! In ray space (`flat.rs`) let `p0 p1 p2 p3` be the corners around the patch and `a_ij` their
-//! signed areas. The ray crosses at a root of `f(u) = P(u, 0) × P(u, 1)`, which in Bernstein form is
+//! signed areas. The ray crosses at a root of `f(u) = P(u, 0) × P(u, 1)`, in Bernstein form
 //!
 //! ```text
 //! f(u) = -a_30 (1-u)² + (a_02 + a_13) u (1-u) + a_12 u²
@@ -23,9 +23,9 @@
 //! If the areas are wrong by at most `E`, so is a polynomial in Bernstein form; `2 E` covers the
 //! rounding of `k` too. With the smallest area `w` of an edge, `D >= 4 a_30 a_12 >= s`,
 //! `s = 2 w (|a_30| + |a_12|)`. So `f` has a slope of `√s` at least at its root, and one that
-//! changes by `2 |a|` per unit, `|a| <= |a_30| + |a_12| + |k|`. At a distance of `8 E / √s` from the
-//! root it has changed by more than `8 E (1 - 8 E |a| / s)`, which is more than `2 E` if
-//! `16 E |a| <= s`: the true root is nearer. The roundings of `√D` and of the denominator add less
+//! changes by `2 |a|` per unit, `|a| <= |a_30| + |a_12| + |k|`. At a distance of `8 E / √s` from
+//! the root `f` is more than `8 E (1 - 8 E |a| / s)`, and so more than `2 E` if `16 E |a| <= s`: the
+//! true root is nearer. The roundings of `√D` and of the denominator add less
 //! than `2^-20` times `√D + |2 a_30 + k|` over the denominator. The depth is bilinear, so it is
 //! wrong by at most the range of depths times the errors of `u` and `v`, and by its own rounding.
 
