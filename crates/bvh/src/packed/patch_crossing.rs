@@ -24,8 +24,8 @@
 //! rounding of `k` too. With the smallest area `w` of an edge, `D >= 4 a_30 a_12 >= s`,
 //! `s = 2 w (|a_30| + |a_12|)`. So `f` has a slope of `√s` at least at its root, and one that
 //! changes by `2 |a|` per unit, `|a| <= |a_30| + |a_12| + |k|`. At a distance of `8 E / √s` from
-//! the root `f` is more than `8 E (1 - 8 E |a| / s)`, and so more than `2 E` if `16 E |a| <= s`: the
-//! true root is nearer. The roundings of `√D` and of the denominator add less
+//! the root `f` is more than `8 E (1 - 8 E |a| / s)`, and so more than `2 E` if `16 E |a| <= s`:
+//! the true root is nearer. The roundings of `√D` and of the denominator add less
 //! than `2^-20` times `√D + |2 a_30 + k|` over the denominator. The depth is bilinear, so it is
 //! wrong by at most the range of depths times the errors of `u` and `v`, and by its own rounding.
 
