@@ -1,5 +1,7 @@
 //! Pictures without noise: beside the plain ones, never instead of them, and without delay.
 
+mod support;
+
 use rotund_image::{Format, Image, decode};
 use rotund_scene::{Camera, Environment, Material, Scene, Shape};
 use rotund_viewer::{
@@ -8,8 +10,8 @@ use rotund_viewer::{
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use support::wait_for;
 
-const PATIENCE: Duration = Duration::from_secs(60);
 const SIZE: (u32, u32) = (60, 40);
 
 /// Makes every picture green, after a while.
@@ -55,22 +57,8 @@ fn few(denoise: bool) -> Settings {
     Settings { samples: 4, denoise, ..Settings::default() }
 }
 
-fn next<T>(session: &Session, what: &str, mut wanted: impl FnMut(&Output) -> Option<T>) -> T {
-    let end = Instant::now() + PATIENCE;
-    while Instant::now() < end {
-        let Some(output) = session.next(Duration::from_millis(200)) else { continue };
-        if let Output::Frame(frame) = &output {
-            session.request(Request::Shown { frame: frame.header.id });
-        }
-        if let Some(found) = wanted(&output) {
-            return found;
-        }
-    }
-    panic!("no {what} after {PATIENCE:?}");
-}
-
 fn frame(session: &Session, what: &str, wanted: impl Fn(&Frame) -> bool) -> Frame {
-    next(session, what, |output| match output {
+    wait_for(session, what, |output| match output {
         Output::Frame(frame) if wanted(frame) => Some(frame.clone()),
         _ => None,
     })
@@ -121,7 +109,7 @@ fn both_sides_of_a_comparison_are_denoised() {
 }
 
 fn frame_until(session: &Session, mut wanted: impl FnMut(&Frame) -> bool) {
-    next(session, "frames", |output| match output {
+    wait_for(session, "frames", |output| match output {
         Output::Frame(frame) => wanted(frame).then_some(()),
         Output::Event(_) => None,
     });
@@ -133,7 +121,7 @@ fn a_hand_does_not_wait_for_the_denoiser() {
     let green = Arc::new(Green { pause, ..Green::default() });
     let (_viewer, session) = open(Some(Arc::clone(&green)));
     session.request(Request::Settings { settings: few(true) });
-    next(&session, "call", |_| (green.calls.load(Ordering::Relaxed) > 0).then_some(()));
+    wait_for(&session, "call", |_| (green.calls.load(Ordering::Relaxed) > 0).then_some(()));
     let start = Instant::now();
     let orbit = Motion { input: 7, orbit: [0.2, 0.1], ..Motion::default() };
     session.request(Request::Move(orbit));
@@ -148,7 +136,7 @@ fn a_hand_does_not_wait_for_the_denoiser() {
 fn without_a_denoiser_the_picture_stays_as_it_is_and_the_other_settings_hold() {
     let (_viewer, session) = open(None);
     session.request(Request::Settings { settings: Settings { seed: 5, ..few(true) } });
-    let problem = next(&session, "problem", |output| match output {
+    let problem = wait_for(&session, "problem", |output| match output {
         Output::Event(Event::Problem { text }) => Some(text.clone()),
         _ => None,
     });

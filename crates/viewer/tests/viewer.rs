@@ -1,5 +1,7 @@
 //! A viewer seen by a client: what it asks for, and what it gets.
 
+mod support;
+
 use rotund_image::{Format, encode};
 use rotund_scene::{Camera, ElementKind, Environment, Material, Method, Scene, Shape};
 use rotund_trace::{Options, World};
@@ -11,9 +13,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+use support::{PATIENCE, wait_for};
 
-/// Longer than any answer takes, on a busy machine too.
-const PATIENCE: Duration = Duration::from_secs(60);
 const SIZE: (u32, u32) = (90, 60);
 
 /// Two balls, a line and a bent quad under a sky, seen by two cameras.
@@ -67,21 +68,6 @@ fn connect(viewer: &Viewer) -> Session {
 
 fn few() -> Settings {
     Settings { samples: 8, bounces: 3, ..Settings::default() }
-}
-
-/// Returns the first output that `wanted` accepts, and shows all frames before it.
-fn wait_for<T>(session: &Session, what: &str, mut wanted: impl FnMut(&Output) -> Option<T>) -> T {
-    let end = Instant::now() + PATIENCE;
-    while Instant::now() < end {
-        let Some(output) = session.next(Duration::from_millis(200)) else { continue };
-        if let Output::Frame(frame) = &output {
-            session.request(Request::Shown { frame: frame.header.id });
-        }
-        if let Some(found) = wanted(&output) {
-            return found;
-        }
-    }
-    panic!("no {what} after {PATIENCE:?}");
 }
 
 fn wait_for_event<T>(

@@ -82,7 +82,7 @@ macro_rules! implement {
                 fn compiled<T: WithSimd>(simd: $isa, task: T) -> T::Output {
                     task.run(simd)
                 }
-                // A function of its own, because compilers ignore `inline(never)` on functions with
+                // A function of its own, because rustc 1.95 ignores `inline(never)` on functions with
                 // target features.
                 #[inline(never)]
                 fn outlined<T: WithSimd>(simd: $isa, task: T) -> T::Output {

@@ -20,7 +20,7 @@ impl Sum {
 /// The sum of the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelSum {
-    /// Sums of red, green and blue. A sample is less than 2³⁹, so 2³² samples do not overflow.
+    /// Sums of red, green and blue. What is added is less than 2³⁹, so 2³² additions do not overflow.
     pub(crate) radiance: [Sum; 3],
     /// Number of samples that met a surface or an environment.
     pub(crate) covered: u32,
@@ -63,10 +63,14 @@ impl PixelSum {
         }
     }
 
-    /// Returns true if at most `most` samples can have made this sum. The radiance has no limit:
-    /// that of light paths does not depend on the samples of the pixel.
+    /// Returns true if at most `most` samples, and light paths, can have made this sum. What light
+    /// paths add does not depend on the samples of the pixel, so the radiance may be that of 2³²
+    /// additions whatever the samples are.
     pub(crate) fn is_possible(&self, most: u32) -> bool {
-        self.samples <= most && self.covered <= self.samples
+        let limit = 1 << (32 + 39 + FRACTION_BITS);
+        self.samples <= most
+            && self.covered <= self.samples
+            && self.radiance.iter().all(|sum| sum.get() <= limit)
     }
 
     /// Returns mean radiance and coverage, rounded once; black and transparent without samples.
@@ -153,6 +157,8 @@ mod tests {
         let mut bright = PixelSum::default();
         assert!(bright.add([super::LIMIT.next_down(); 3], true));
         assert!(bright.is_possible(1) && !bright.is_possible(0));
+        let overflowing = PixelSum { radiance: [super::Sum([0, u64::MAX]); 3], ..bright };
+        assert!(!overflowing.is_possible(u32::MAX));
         assert!(!PixelSum { covered: 2, ..bright }.is_possible(9));
     }
 
