@@ -1,9 +1,9 @@
 //! Bounds on where a ray crosses a bilinear patch whose outline winds around it once.
 //!
-//! The range of the depths of its corners bounds the crossing too, but a ray that starts next to the
-//! patch starts within that range. Here the crossing is solved in `f32`, with an error bound. From a
-//! distance of about a thousandth of the patch on, most rays then need no exact test. Rays that
-//! start nearer, as those do that leave a surface by its error bound, still need it.
+//! The range of the depths of its corners bounds the crossing too, but a ray that starts next to
+//! the patch starts within that range. Here the crossing is solved in `f32`, with an error bound.
+//! From a distance of about a thousandth of the patch on, most rays then need no exact test. Rays
+//! that start nearer, as those do that leave a surface by its error bound, still need it.
 //!
 //! # Derivation
 //!
@@ -26,9 +26,9 @@
 //! `s = 2 w (|a_30| + |a_12|)`. So `f` has a slope of `√s` at least at its root, and one that
 //! changes by `2 |a|` per unit, `|a| <= |a_30| + |a_12| + |k|`. At a distance of `8 E / √s` from
 //! the root `f` is more than `8 E (1 - 8 E |a| / s)`, and so more than `2 E` if `16 E |a| <= s`:
-//! the true root is nearer. The roundings of `√D` and of the denominator add less than `2^-20` times
-//! `√D + |2 a_30 + k|` over the denominator. The depth is bilinear, so it is wrong by at most the
-//! range of depths times the errors of `u` and `v`, and by its own rounding.
+//! the true root is nearer. The roundings of `√D` and of the denominator add less than `2^-20`
+//! times `√D + |2 a_30 + k|` over the denominator. The depth is bilinear, so it is wrong by at most
+//! the range of depths times the errors of `u` and `v`, and by its own rounding.
 
 use super::flat::Corner;
 use crate::simd::Simd;

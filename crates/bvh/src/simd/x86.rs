@@ -82,8 +82,8 @@ macro_rules! implement {
                 fn compiled<T: WithSimd>(simd: $isa, task: T) -> T::Output {
                     task.run(simd)
                 }
-                // A function of its own, because rustc 1.95 ignores `inline(never)` on functions with
-                // target features.
+                // A function of its own, because rustc 1.95 ignores `inline(never)` on functions
+                // with target features.
                 #[inline(never)]
                 fn outlined<T: WithSimd>(simd: $isa, task: T) -> T::Output {
                     // SAFETY: `simd` proves that the processor supports the features.

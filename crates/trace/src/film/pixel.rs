@@ -20,7 +20,8 @@ impl Sum {
 /// The sum of the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelSum {
-    /// Sums of red, green and blue. What is added is less than 2³⁹, so 2³² additions do not overflow.
+    /// Sums of red, green and blue. What is added is less than 2³⁹, so 2³² additions do not
+    /// overflow.
     pub(crate) radiance: [Sum; 3],
     /// Number of samples that met a surface or an environment.
     pub(crate) covered: u32,
