@@ -11,7 +11,7 @@ use clap::Parser;
 use rotund_report::console::say;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 mod checks;
 mod chromium;
@@ -40,25 +40,29 @@ struct Args {
     /// Only the memory of the viewer while it shows this many spheres.
     #[arg(long, value_name = "N", conflicts_with_all = ["short", "measure"])]
     spheres: Option<u32>,
+    /// Only the memory of the viewer while a scene is dragged for so many minutes.
+    #[arg(
+        long,
+        value_name = "MINUTES",
+        value_parser = minutes,
+        conflicts_with_all = ["short", "measure", "spheres"]
+    )]
+    drag: Option<Duration>,
     /// Only the checks whose names contain this text.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
     /// The program to test. Default: `rotund` of this workspace, built for release.
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
-    /// Minutes of dragging for the measurement of memory.
-    #[arg(long, default_value_t = 0.25, value_parser = minutes)]
-    minutes: f64,
     /// The folder for screenshots.
     #[arg(long, value_name = "DIR", default_value = "out/browser")]
     out: PathBuf,
 }
 
-fn minutes(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(minutes) if minutes > 0.0 && f64::is_finite(minutes) => Ok(minutes),
-        _ => Err("a positive number of minutes".to_owned()),
-    }
+fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse().ok().filter(|minutes: &f64| *minutes > 0.0);
+    let time = minutes.and_then(|minutes| Duration::try_from_secs_f64(60.0 * minutes).ok());
+    time.ok_or_else(|| "a positive number of minutes".to_owned())
 }
 
 fn main() -> ExitCode {
@@ -83,8 +87,11 @@ fn run(args: &Args, browser: &Path) -> Result<()> {
     if let Some(count) = args.spheres {
         return many::run(&program, &chromium, count);
     }
+    if let Some(time) = args.drag {
+        return measure::memory(&program, &chromium, time);
+    }
     if args.measure {
-        return measure::run(&program, &chromium, args.minutes);
+        return measure::run(&program, &chromium);
     }
     let mut failures = Vec::new();
     let chosen = checks::ALL.iter().filter(|(name, _)| name.contains(&args.only));
@@ -104,7 +111,7 @@ fn run(args: &Args, browser: &Path) -> Result<()> {
     screenshots::take(&program, &chromium, &args.out)?;
     say(format!("screenshots are in {}", args.out.display()))?;
     if !args.short {
-        measure::run(&program, &chromium, args.minutes)?;
+        measure::run(&program, &chromium)?;
     }
     verdict(&failures)
 }

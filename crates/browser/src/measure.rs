@@ -25,12 +25,16 @@ const REST: Duration = Duration::from_secs(5);
 /// How long the hand moves between two rests, and how long it rests, while memory is watched.
 const STRETCH: Duration = Duration::from_millis(1200);
 const PAUSE: Duration = Duration::from_millis(300);
-/// Factor of the memory from a tenth of a drag to its end beyond which something piles up: room for
-/// buffers whose size depends on what the camera sees.
+/// How long the drag takes whose memory is measured with all else.
+const SHORT_DRAG: Duration = Duration::from_secs(15);
+/// Parts of a drag after which memory is measured.
+const PARTS: u32 = 10;
+/// Factor of the memory from the first part of a drag to its end beyond which something piles up:
+/// room for buffers whose size depends on what the camera sees.
 const MOST_GROWTH: f64 = 1.1;
 
-/// Measures three scenes and prints a table, and then the memory of a longer drag.
-pub(crate) fn run(program: &Path, chromium: &Chromium, minutes: f64) -> Result<()> {
+/// Measures three scenes and prints a table, and then the memory of a drag.
+pub(crate) fn run(program: &Path, chromium: &Chromium) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let spheres = spheres::write(folder.path(), SPHERES)?;
     let mut table = Table::new(&[
@@ -48,7 +52,7 @@ pub(crate) fn run(program: &Path, chromium: &Chromium, minutes: f64) -> Result<(
         table.row(measure(program, chromium, scene, folder.path())?);
     }
     say(format!("\n{table}"))?;
-    memory(program, chromium, minutes)
+    memory(program, chromium, SHORT_DRAG)
 }
 
 fn measure(
@@ -156,26 +160,29 @@ fn drag(page: &Page, time: Duration) -> Result<()> {
     page.mouse("mouseReleased", [x, y], "left")
 }
 
-/// Prints the memory of the viewer after a tenth of a long drag, and after the rest of it, in which
-/// the hand pauses; fails if it has grown.
-fn memory(program: &Path, chromium: &Chromium, minutes: f64) -> Result<()> {
+/// Prints the memory of the viewer during a drag: first without a rest, then with pauses; fails if it
+/// grows.
+pub(crate) fn memory(program: &Path, chromium: &Chromium, time: Duration) -> Result<()> {
     let viewer = Viewer::start(program, "shapes4")?;
     let page = chromium.open(&viewer.url)?;
     page.wait("a picture", "rotundStatistics.frames > 0")?;
-    let time = Duration::from_secs_f64(60.0 * minutes);
     // Room for a whole picture belongs to the memory of before.
     sleep(Duration::from_secs(2));
-    drag(&page, time.mul_f64(0.1))?;
-    let before = viewer.memory()?;
-    drag_and_rest(&page, time.mul_f64(0.9))?;
-    let after = viewer.memory()?;
-    say(format!(
-        "memory while dragging shapes4: {:.1} MB after {:.1} minutes, {:.1} MB after {minutes:.1}",
-        before / 1e6,
-        0.1 * minutes,
-        after / 1e6
-    ))?;
-    if after > before * MOST_GROWTH {
+    let mut table = Table::new(&["minutes of dragging", "MB"]);
+    let mut first = None;
+    let mut last = 0.0;
+    for part in 1..=PARTS {
+        match first {
+            None => drag(&page, time / PARTS)?,
+            Some(_) => drag_and_rest(&page, time / PARTS)?,
+        }
+        last = viewer.memory()?;
+        first.get_or_insert(last);
+        let minutes = time.as_secs_f64() / 60.0 * f64::from(part) / f64::from(PARTS);
+        table.row(vec![format!("{minutes:.1}"), format!("{:.1}", last / 1e6)]);
+    }
+    say(format!("\nmemory of the viewer of shapes4\n{table}"))?;
+    if first.is_none_or(|first| last > first * MOST_GROWTH) {
         bail!("the memory of the viewer grows while it is dragged: it must stay the same");
     }
     Ok(())

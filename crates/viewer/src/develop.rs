@@ -2,6 +2,7 @@
 
 use crate::settings::Settings;
 use rotund_image::{EncodeError, Format, Image, encode};
+use std::borrow::Cow;
 
 /// How radiance becomes colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,19 +17,21 @@ impl Tone {
         Self { scale: settings.exposure.exp2(), filmic: settings.filmic }
     }
 
-    /// Returns the image as it is shown. Without exposure and curve it is unchanged.
-    pub(crate) fn apply(self, mut image: Image) -> Image {
-        if self != (Self { scale: 1.0, filmic: false }) {
-            for [r, g, b, _] in &mut image.pixels {
-                for channel in [r, g, b] {
-                    *channel *= self.scale;
-                    if self.filmic {
-                        *channel = filmic(*channel);
-                    }
+    /// Returns the image as it is shown: a copy, if exposure or curve change it.
+    pub(crate) fn apply(self, image: &Image) -> Cow<'_, Image> {
+        if self == (Self { scale: 1.0, filmic: false }) {
+            return Cow::Borrowed(image);
+        }
+        let mut image = image.clone();
+        for [r, g, b, _] in &mut image.pixels {
+            for channel in [r, g, b] {
+                *channel *= self.scale;
+                if self.filmic {
+                    *channel = filmic(*channel);
                 }
             }
         }
-        image
+        Cow::Owned(image)
     }
 }
 
@@ -59,14 +62,14 @@ mod tests {
     #[test]
     fn the_picture_without_exposure_and_curve_is_the_film_to_the_bit() {
         let image = Image::from_fn(3, 2, |x, y| [x as f32 * 0.3, y as f32, 7.5, 0.5]);
-        assert_eq!(Tone::of(&Settings::default()).apply(image.clone()), image);
+        assert_eq!(*Tone::of(&Settings::default()).apply(&image), image);
     }
 
     #[test]
     fn a_stop_doubles_radiance_and_keeps_alpha() {
         let image = Image::from_fn(1, 1, |_, _| [0.1, 0.2, 0.3, 0.4]);
         let tone = Tone::of(&Settings { exposure: 1.0, ..Settings::default() });
-        assert_eq!(tone.apply(image).pixels, [[0.2, 0.4, 0.6, 0.4]]);
+        assert_eq!(tone.apply(&image).pixels, [[0.2, 0.4, 0.6, 0.4]]);
     }
 
     #[test]

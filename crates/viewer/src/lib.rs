@@ -11,6 +11,7 @@
 
 mod bell;
 mod board;
+mod buffers;
 mod content;
 mod denoise;
 mod develop;

@@ -107,7 +107,7 @@ fn publish(shared: &Shared, side: Side) {
         }
         None => kept.image,
     };
-    let image = Tone::of(&kept.settings).apply((*image).clone());
+    let image = Tone::of(&kept.settings).apply(&image);
     match encoded(&image, !header.preview) {
         Ok((bytes, media)) => {
             header.media = media;

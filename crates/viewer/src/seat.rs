@@ -1,5 +1,6 @@
 //! The engine's side of one client: camera, settings, and the pictures in progress.
 
+use crate::buffers::Buffers;
 use crate::denoise::Guides;
 use crate::inspect::{inspect, ray};
 use crate::message::{CameraText, Event, Inspection, Motion, Request, State};
@@ -71,6 +72,7 @@ pub(crate) struct Seat {
     guides: [Option<Arc<Guides>>; 2],
     /// Films of before, for their memory.
     spare: [Option<Film>; 2],
+    buffers: Buffers,
     published: Option<(Instant, Duration)>,
     told: Option<Instant>,
     progress: [Progress; 2],
@@ -99,6 +101,7 @@ impl Seat {
             films: [None, None],
             guides: [None, None],
             spare: [None, None],
+            buffers: Buffers::default(),
             published: None,
             told: None,
             progress: [Progress::default(); 2],
@@ -283,6 +286,7 @@ impl Seat {
             (self.asked, self.keep_aspect) = (size, keep_aspect);
             // The memory of a large picture is not kept for a small one.
             (self.films, self.spare) = ([None, None], [None, None]);
+            self.buffers = Buffers::default();
             self.jump(place);
         }
     }

@@ -48,7 +48,7 @@ impl Session {
     /// If there is no picture yet.
     pub fn png(&self) -> Result<Vec<u8>, SaveError> {
         let kept = self.shared.kept(Side::Chosen).ok_or(SaveError::Nothing)?;
-        let image = Tone::of(&kept.settings).apply((*kept.image).clone());
+        let image = Tone::of(&kept.settings).apply(&kept.image);
         Ok(encoded(&image, true)?.0)
     }
 
@@ -60,7 +60,7 @@ impl Session {
     pub fn denoised_png(&self) -> Result<Vec<u8>, SaveError> {
         let kept = self.shared.kept(Side::Chosen).ok_or(SaveError::Nothing)?;
         let denoised = self.shared.denoised(&kept).ok_or(SaveError::Noisy)?;
-        let image = Tone::of(&kept.settings).apply((*denoised.image).clone());
+        let image = Tone::of(&kept.settings).apply(&denoised.image);
         Ok(encoded(&image, true)?.0)
     }
 

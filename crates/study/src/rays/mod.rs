@@ -24,10 +24,10 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
-Scenes: spheres-1M, cones-1M, patches-1M, spheres-10M or another number of
-millions; tracts-218K and vessels-4K, tubes of published sizes; or the name of
-a scene that is built in, or the path of a JSON, PLY, OBJ, SWC, TCK, TRK, XYZ,
-TXT, CSV, PTS or ASC file, each shape of which is measured by itself.
+Scenes: spheres-1M, cones-1M, patches-1M, triangles-1M, spheres-10M or another
+number of millions; tracts-218K and vessels-4K, tubes of published sizes; or the
+name of a scene that is built in, or the path of a JSON, PLY, OBJ, SWC, TCK,
+TRK, XYZ, TXT, CSV, PTS or ASC file, each shape of which is measured by itself.
 
 Examples:
   cargo xtask rays

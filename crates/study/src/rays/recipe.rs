@@ -4,7 +4,7 @@
 //! same bits; the hashes verify that.
 
 use crate::random::Random;
-use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, glam::Vec3};
+use rotund_geometry::{BilinearPatch, Ray, RoundedCone, Sphere, Triangle, glam::Vec3};
 
 /// A vector of `f64` whose products are summed from left to right.
 #[derive(Clone, Copy)]
@@ -123,34 +123,63 @@ pub(super) fn cones(fibres: usize) -> (Vec<RoundedCone>, u64) {
     (cones, hash.0)
 }
 
-/// Generates a wavy, noisy sheet of `n * n` quads, and its hash.
+/// The vertices of a wavy, noisy sheet of square cells, one unit wide, row by row.
+struct Grid {
+    columns: usize,
+    rows: usize,
+    vertices: Vec<Vec3>,
+    hash: u64,
+}
+
+impl Grid {
+    fn new(columns: usize, rows: usize, seed: u64) -> Self {
+        let wave = |t: f64| {
+            let a = t - t.floor();
+            8.0 * a * (1.0 - a) - 1.0
+        };
+        let (mut random, mut hash) = (Random::from_state(seed), Fnv::new());
+        let cell = 1.0 / columns as f64;
+        let mut vertices = Vec::with_capacity((columns + 1) * (rows + 1));
+        for j in 0..=rows {
+            for i in 0..=columns {
+                let (x, y) = (i as f64 * cell, j as f64 * cell);
+                let noise = 0.5 * cell * (2.0 * random.unit() - 1.0);
+                let z = 0.03 * (wave(3.0 * x) * wave(3.0 * y)) + noise;
+                let vertex = Vector([x, y, z]).single();
+                hash.add(&vertex.to_array());
+                vertices.push(vertex);
+            }
+        }
+        Self { columns, rows, vertices, hash: hash.0 }
+    }
+
+    /// Returns the corners of each cell, counterclockwise from the lower left one.
+    fn cells(&self) -> impl Iterator<Item = [Vec3; 4]> {
+        let stride = self.columns + 1;
+        (0..self.rows).flat_map(move |j| {
+            (0..self.columns).map(move |i| {
+                let a = j * stride + i;
+                [a, a + 1, a + stride + 1, a + stride].map(|v| self.vertices[v])
+            })
+        })
+    }
+}
+
+/// Generates a sheet of `n * n` quads, and its hash.
 pub(super) fn patches(n: usize) -> (Vec<BilinearPatch>, u64) {
-    let wave = |t: f64| {
-        let a = t - t.floor();
-        8.0 * a * (1.0 - a) - 1.0
+    let grid = Grid::new(n, n, 3);
+    let patch = |[p00, p10, p11, p01]: [Vec3; 4]| BilinearPatch { p00, p10, p01, p11 };
+    (grid.cells().map(patch).collect(), grid.hash)
+}
+
+/// Generates a sheet of `n * n / 2` cells, each cut into two triangles from its lower left to its
+/// upper right corner, and its hash.
+pub(super) fn triangles(n: usize) -> (Vec<Triangle>, u64) {
+    let grid = Grid::new(n, n / 2, 4);
+    let halves = |[a, b, c, d]: [Vec3; 4]| {
+        [[a, b, c], [a, c, d]].map(|[p0, p1, p2]| Triangle { p0, p1, p2 })
     };
-    let (mut random, mut hash) = (Random::from_state(3), Fnv::new());
-    let cell = 1.0 / n as f64;
-    let mut vertices = Vec::with_capacity((n + 1) * (n + 1));
-    for j in 0..=n {
-        for i in 0..=n {
-            let (x, y) = (i as f64 * cell, j as f64 * cell);
-            let noise = 0.5 * cell * (2.0 * random.unit() - 1.0);
-            let z = 0.03 * (wave(3.0 * x) * wave(3.0 * y)) + noise;
-            let vertex = Vector([x, y, z]).single();
-            hash.add(&vertex.to_array());
-            vertices.push(vertex);
-        }
-    }
-    let mut patches = Vec::with_capacity(n * n);
-    for j in 0..n {
-        for i in 0..n {
-            let a = j * (n + 1) + i;
-            let [p00, p10, p11, p01] = [a, a + 1, a + n + 2, a + n + 1].map(|v| vertices[v]);
-            patches.push(BilinearPatch { p00, p10, p01, p11 });
-        }
-    }
-    (patches, hash.0)
+    (grid.cells().flat_map(halves).collect(), grid.hash)
 }
 
 /// The box that rays are aimed at.
@@ -272,5 +301,6 @@ mod tests {
         assert_eq!(spheres(1_000_000, 1, 0.002).1, 0x0915_ef57_9e5f_da21);
         assert_eq!(cones(50_000).1, 0x8990_b660_83f1_cf0c);
         assert_eq!(patches(1000).1, 0x1613_fb93_455e_a7e8);
+        assert_eq!(triangles(1000).1, 0xe700_bba1_7a89_c000);
     }
 }

@@ -45,6 +45,12 @@ pub(super) fn measure_all(
             let corners = patches.iter().flat_map(|p| [p.p00, p.p10, p.p11, p.p01]);
             sheets.extend(surfaces(&recipe, &patches, &Target::around(corners), args)?);
         }
+        "triangles-1M" => {
+            let (triangles, hash) = recipe::triangles(1000);
+            check(name, hash, 0xe700_bba1_7a89_c000)?;
+            let corners = triangles.iter().flat_map(|t| [t.p0, t.p1, t.p2]);
+            sheets.extend(surfaces(&recipe, &triangles, &Target::around(corners), args)?);
+        }
         "tracts-218K" | "vessels-4K" => {
             let cones = tubes(name)?;
             let vertices = cones.iter().flat_map(|cone| [cone.p0, cone.p1]);

@@ -211,11 +211,16 @@ impl Film {
     /// there are none.
     #[must_use]
     pub fn image(&self) -> Image {
-        Image {
-            width: self.header.width,
-            height: self.header.height,
-            pixels: self.pixels.par_iter().map(PixelSum::mean).collect(),
-        }
+        let mut image = Image { width: 0, height: 0, pixels: Vec::new() };
+        self.develop(&mut image);
+        image
+    }
+
+    /// Makes `image` equal to [`Self::image`] in the memory that it has, if that is enough.
+    pub fn develop(&self, image: &mut Image) {
+        image.width = self.header.width;
+        image.height = self.header.height;
+        self.pixels.par_iter().map(PixelSum::mean).collect_into_vec(&mut image.pixels);
     }
 
     fn index(&self, x: u32, y: u32) -> Result<usize, FilmError> {

@@ -97,10 +97,10 @@ impl Seat {
                 let stop = !first && self.is_interrupted(&world, interrupted);
                 if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
-            let image = (film.samples() > 0).then(|| film.image());
+            let image = (film.samples() > 0).then(|| self.buffers.develop(&film));
             self.spare[side as usize] = Some(film);
             let Some(image) = image else { return Ok(()) };
-            images.push((side, Arc::new(image)));
+            images.push((side, image));
         }
         let taken = f64::from(small.width) * f64::from(small.height) * sides.len() as f64;
         let speed = taken / start.elapsed().as_secs_f64().max(1e-6);
@@ -230,7 +230,7 @@ impl Seat {
             self.guides[side as usize] = Some(Arc::new(guides));
         }
         let start = Instant::now();
-        let image = Arc::new(film.image());
+        let image = self.buffers.develop(film);
         if side == Side::Chosen {
             self.fireflies = film.fireflies();
             self.estimate_noise(&image, film.samples());
