@@ -52,8 +52,9 @@ pub(crate) struct Seat {
     publisher: Arc<Publisher>,
     /// `None` until there is a scene, or a camera that a client brings.
     rig: Option<Rig>,
-    /// The camera is one of the scene, as it was made for a picture of another aspect.
-    is_unfitted: bool,
+    /// The camera of the scene that is shown, as it was made for a picture of another aspect; `None`
+    /// once a client has changed it.
+    scene_camera: Option<Camera>,
     settings: Settings,
     asked: (u32, u32),
     keep_aspect: bool,
@@ -88,7 +89,7 @@ impl Seat {
             shared,
             publisher,
             rig: None,
-            is_unfitted: false,
+            scene_camera: None,
             settings: Settings::default(),
             asked: (0, 0),
             keep_aspect: false,
@@ -136,10 +137,14 @@ impl Seat {
     /// Takes note of a scene that has been loaded: the picture starts anew, with the camera as it
     /// was, or the first one of the scene.
     pub(crate) fn scene_changed(&mut self, place: &Place) {
-        let own = self.rig.take().map(|rig| rig.camera);
-        let is_unfitted = own.is_none() || self.is_unfitted;
-        self.take_camera(Some(place), own.unwrap_or_else(|| place.cameras()[0].clone()));
-        self.is_unfitted = is_unfitted;
+        match self.rig.take() {
+            Some(own) => {
+                let scene_camera = self.scene_camera.take();
+                self.take_camera(Some(place), own.camera);
+                self.scene_camera = scene_camera;
+            }
+            None => self.take_scene_camera(place, place.cameras()[0].clone()),
+        }
         self.jump(Some(place));
     }
 
@@ -148,7 +153,12 @@ impl Seat {
         let eye = camera.world_from_camera.translation.into();
         let pivot = place.map_or(eye, |place| place.pivot(&camera));
         self.rig = Some(Rig::new(camera, pivot));
-        self.is_unfitted = false;
+        self.scene_camera = None;
+    }
+
+    fn take_scene_camera(&mut self, place: &Place, camera: Camera) {
+        self.take_camera(Some(place), camera.clone());
+        self.scene_camera = Some(camera);
     }
 
     /// Starts another picture, of which frames of before say nothing.
@@ -175,10 +185,12 @@ impl Seat {
     fn fit_aspect(&mut self) {
         let (width, height) = self.asked;
         let Some(rig) = self.rig.as_mut().filter(|_| width > 0) else { return };
-        let is_unfitted = std::mem::take(&mut self.is_unfitted);
+        if let Some(camera) = &self.scene_camera {
+            rig.camera = camera.clone();
+        }
         if !self.keep_aspect {
             let aspect = width as f32 / height as f32;
-            if is_unfitted {
+            if self.scene_camera.is_some() {
                 rig.widen_to(aspect);
             }
             rig.camera.aspect = aspect;
@@ -349,6 +361,7 @@ impl Seat {
                     // Beyond the range of numbers: the camera stays.
                     *rig = before;
                 }
+                self.scene_camera = None;
                 self.input = motion.input;
                 self.moved = Some(Instant::now());
                 return self.restart(Some(place));
@@ -356,15 +369,16 @@ impl Seat {
             Request::Focus { at } => {
                 let Some(target) = pick(&rig.camera, at) else { return };
                 rig.focus(target);
+                self.scene_camera = None;
             }
             Request::FrameAll {} => {
                 let (center, radius) = place.extent();
                 rig.frame(center, radius);
+                self.scene_camera = None;
             }
             Request::SceneCamera { index } => match place.cameras().get(index).cloned() {
                 Some(camera) => {
-                    self.take_camera(Some(place), camera);
-                    self.is_unfitted = true;
+                    self.take_scene_camera(place, camera);
                 }
                 None => return self.problem(format_args!("there is no camera {index}")),
             },

@@ -378,13 +378,20 @@ fn an_upright_picture_shows_all_that_a_camera_of_the_scene_frames() {
     let upright = camera_at(30, 60);
     assert_eq!((upright.aspect, upright.lens), (0.5, lens / 2.0), "1.5 times as wide as high");
     let turned = camera_at(60, 30);
-    assert_eq!((turned.aspect, turned.lens), (2.0, lens / 2.0), "the camera is the client's now");
+    let widened = lens / (2.0 / 1.5);
+    assert_eq!((turned.aspect, turned.lens), (2.0, widened), "the phone is turned");
     let own = CameraText { lens, ..turned };
     session.request(Request::Camera { camera: own.clone() });
     wait_for_state(&session, |state| state.camera == own);
+    assert_eq!(camera_at(30, 60).lens, lens, "the camera is the client's now");
+    camera_at(60, 30);
     session.request(Request::SceneCamera { index: 1 });
     let side = wait_for_state(&session, |state| state.camera.name == "side").camera;
-    assert_eq!((side.aspect, side.lens), (2.0, lens / (2.0 / 1.5)), "wider than the scene's");
+    assert_eq!((side.aspect, side.lens), (2.0, widened), "wider than the scene's");
+    session.request(Request::Move(Motion { orbit: [0.1, 0.0], ..Motion::default() }));
+    session.request(Request::Release {});
+    wait_for_state(&session, |state| state.camera.frame != side.frame);
+    assert_eq!(camera_at(30, 60).lens, widened, "a hand has moved it");
 }
 
 #[test]
