@@ -4,6 +4,7 @@
 use crate::{
     Scene, SceneError, SceneHit,
     placement::{Placement, Placements},
+    plate::Plate,
     shape_tree::ShapeTree,
     validate::item,
 };
@@ -26,6 +27,8 @@ pub struct Trees {
     placements: Vec<Placement>,
     /// The tree of each shape, followed by those that several instances share.
     trees: Vec<ShapeTree>,
+    /// Planes around the elements of each tree of a flat shape.
+    plates: Vec<Option<Plate>>,
     /// The number of elements of each shape.
     element_counts: Vec<usize>,
     instance_count: usize,
@@ -63,11 +66,12 @@ impl Trees {
     pub fn build(scene: &Scene) -> Result<Self, SceneError> {
         scene.validate()?;
         let trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
-        let Placements { placements, boxes, trees, shared } = Placements::new(scene, trees);
+        let Placements { placements, boxes, trees, plates, shared } = Placements::new(scene, trees);
         Ok(Self {
             upper: Bvh::build(&boxes),
             placements,
             trees,
+            plates,
             element_counts: scene.shapes.iter().map(|shape| shape.elements.count()).collect(),
             instance_count: scene.instances.len(),
             shared,
@@ -102,6 +106,7 @@ impl Trees {
         }
         self.placements = placed.placements;
         self.trees = placed.trees.into_iter().map(|tree| tree.with_isa(isa)).collect();
+        self.plates = placed.plates;
         self.shared = placed.shared;
         Ok(())
     }
@@ -201,7 +206,16 @@ impl Trees {
         if placement.is_union(shape) {
             return tree.boundary(&ray, start(placement, left));
         }
+        if self.is_beside(placement, &ray) {
+            return None;
+        }
         tree.closest(&ray, shape.method)
+    }
+
+    /// Returns true only if a ray in object space misses all elements of a placement.
+    #[inline(always)]
+    fn is_beside(&self, placement: &Placement, ray: &Ray) -> bool {
+        self.plates[placement.tree as usize].as_ref().is_some_and(|plate| plate.is_missed(ray))
     }
 
     /// Converts the hit of an element of a placement to world space.
@@ -312,7 +326,7 @@ impl Trees {
             if placement.is_union(shape) {
                 return tree.boundary(&ray, start(placement, left)).is_some();
             }
-            tree.any(&ray, shape.method)
+            !self.is_beside(placement, &ray) && tree.any(&ray, shape.method)
         };
         if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }

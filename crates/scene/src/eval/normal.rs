@@ -89,9 +89,13 @@ impl Scene {
             }
             Elements::Points(_) | Elements::Lines(_) => geometric,
             Elements::Triangles(_) | Elements::Quads(_) => {
-                let smooth = Weights::new(shape, element, uv)
-                    .of(&shape.normals)
-                    .map_or(Vec3::ZERO, |normal| transform_normal(&frame.matrix3, normal));
+                let smooth = if shape.normals.is_empty() {
+                    Vec3::ZERO
+                } else {
+                    Weights::new(shape, element, uv)
+                        .of(&shape.normals)
+                        .map_or(Vec3::ZERO, |normal| transform_normal(&frame.matrix3, normal))
+                };
                 // Fall back to the face if vertices have no normals, or if those cancel.
                 if smooth == Vec3::ZERO {
                     face_normal(shape, element, &frame.matrix3, geometric)
@@ -181,7 +185,7 @@ fn bounded(normal: Vec3, up: Vec3, outgoing: Vec3) -> Vec3 {
 /// Returns the normal of a face. Both triangles of a vanilla quad have the mean of their normals,
 /// as in yocto-gl.
 fn face_normal(shape: &Shape, element: u32, matrix: &Mat3A, geometric: Vec3) -> Vec3 {
-    if shape.elements.kind() != ElementKind::Quads {
+    if shape.elements.kind() != ElementKind::Quads || shape.method == Method::Enhanced {
         return geometric;
     }
     let Primitive::Quad(quad) = shape.primitive(element) else { return geometric };
