@@ -35,6 +35,8 @@ pub struct Trees {
     /// For each shared tree, the number of elements before those of each of its instances.
     shared: Vec<Vec<u32>>,
     route: Route,
+    /// Whether any placement is one body into which one can see.
+    has_bodies: bool,
 }
 
 /// The source of position and normal of a [`SceneHit`].
@@ -69,6 +71,7 @@ impl Trees {
         let Placements { placements, boxes, trees, plates, shared } = Placements::new(scene, trees);
         Ok(Self {
             upper: Bvh::build(&boxes),
+            has_bodies: placements.iter().any(Placement::is_body),
             placements,
             trees,
             plates,
@@ -104,6 +107,7 @@ impl Trees {
         if !same || self.upper.refit(&placed.boxes).is_err() {
             self.upper = Bvh::build(&placed.boxes).with_isa(isa);
         }
+        self.has_bodies = placed.placements.iter().any(Placement::is_body);
         self.placements = placed.placements;
         self.trees = placed.trees.into_iter().map(|tree| tree.with_isa(isa)).collect();
         self.plates = placed.plates;
@@ -286,6 +290,9 @@ impl Trees {
         normal: Vec3,
         error: f32,
     ) -> bool {
+        if !self.has_bodies {
+            return false;
+        }
         let after = self.placements.partition_point(|place| place.instance <= instance);
         let Some(placement) = after.checked_sub(1).map(|index| &self.placements[index]) else {
             return false;

@@ -63,6 +63,11 @@ impl Placement {
         ray
     }
 
+    /// Returns whether the elements are one body into which one can see.
+    pub(crate) fn is_body(&self) -> bool {
+        self.union
+    }
+
     /// Returns whether the surface of the shape is the boundary of the union of its elements.
     #[inline]
     pub(crate) fn is_union(&self, shape: &Shape) -> bool {

@@ -75,7 +75,7 @@ impl Primitive {
 }
 
 impl Shape {
-    fn is_round(&self) -> bool {
+    pub(crate) fn is_round(&self) -> bool {
         matches!(self.elements, Elements::Points(_) | Elements::Lines(_))
     }
 

@@ -31,10 +31,10 @@ use crate::isa::Isa;
 use crate::node::{Tree, WIDTH};
 use any::FindAny;
 use closest::FindClosest;
-use kernel::{Kernel, NO_ID};
+use kernel::{HasIds, Kernel, NO_ID};
 use method_tag::{Enhanced, Vanilla};
 use rayon::prelude::*;
-use rotund_geometry::{Aabb, BilinearPatch, Method, Ray, RoundedCone, Sphere, Triangle};
+use rotund_geometry::{Aabb, BilinearPatch, Hit, Method, Ray, RoundedCone, Sphere, Triangle};
 
 pub use report::{Statistics, Visits};
 pub use union::Start;
@@ -152,6 +152,9 @@ impl<P: Kernel> Packed<P> {
     #[must_use]
     #[inline]
     pub fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
+        if let Some((id, block)) = self.lone() {
+            return lone_hit::<P>(block, ray, method).map(|hit| PrimitiveHit { id, hit });
+        }
         match method {
             Method::Enhanced => self.isa.run(FindClosest::<P, Enhanced>::new(self, ray)),
             Method::Vanilla => self.isa.run(FindClosest::<P, Vanilla>::new(self, ray)),
@@ -162,9 +165,35 @@ impl<P: Kernel> Packed<P> {
     #[must_use]
     #[inline]
     pub fn any(&self, ray: &Ray, method: Method) -> bool {
+        if let Some((_, block)) = self.lone() {
+            return lone_hit::<P>(block, ray, method).is_some();
+        }
         match method {
             Method::Enhanced => self.isa.run(FindAny::<P, Enhanced>::new(self, ray)),
             Method::Vanilla => self.isa.run(FindAny::<P, Vanilla>::new(self, ray)),
         }
+    }
+
+    /// Returns the id and the block of the only primitive of the tree: a floor, a wall or a lamp.
+    /// Its exact test takes less time than the wide test of a leaf that may save it.
+    #[inline(always)]
+    fn lone(&self) -> Option<(u32, &P::Block)> {
+        let [block] = self.blocks.as_slice() else { return None };
+        let &[id, NO_ID, ..] = block.ids() else { return None };
+        Some((id, block))
+    }
+}
+
+/// Returns the hit of a ray with the primitive in the first lane of a block, by the exact test
+/// alone. As in a traversal, a ray that is not finite hits nothing.
+#[inline(never)]
+fn lone_hit<P: Kernel>(block: &P::Block, ray: &Ray, method: Method) -> Option<Hit> {
+    let primitive = P::unpack(block, 0);
+    if !(ray.origin.is_finite() && ray.direction.is_finite()) {
+        return None;
+    }
+    match method {
+        Method::Enhanced => primitive.exact_hit::<Enhanced>(ray),
+        Method::Vanilla => primitive.exact_hit::<Vanilla>(ray),
     }
 }

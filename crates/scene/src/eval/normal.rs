@@ -52,10 +52,19 @@ impl Scene {
     pub fn shading_normal(&self, hit: &SceneHit, outgoing: Vec3) -> Vec3 {
         let instance = &self.instances[hit.instance as usize];
         let shape = &self.shapes[instance.shape as usize];
-        let refractive =
-            self.materials[instance.material as usize].kind == MaterialKind::Refractive;
+        let material = &self.materials[instance.material as usize];
+        let refractive = material.kind == MaterialKind::Refractive;
+        let enhanced = shape.method == Method::Enhanced;
+        let smooth = shape.is_round() || shape.normals.is_empty();
+        if enhanced && smooth && material.normal_tex.is_none() {
+            // The usual case: the geometric normal, which needs no bound unless the viewer grazes.
+            let rise = hit.normal.dot(outgoing);
+            if rise * rise > 1e-6 * outgoing.length_squared() {
+                return if rise >= 0.0 || refractive { hit.normal } else { -hit.normal };
+            }
+        }
         let outgoing = outgoing.normalize_or(hit.normal);
-        if shape.method == Method::Enhanced {
+        if enhanced {
             let normal = self.bent_normal(hit.instance, hit.element, hit.uv, hit.normal);
             // The geometric normal decides on the side of the viewer.
             let outside = hit.normal.dot(outgoing) >= 0.0;
