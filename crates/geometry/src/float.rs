@@ -28,17 +28,17 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
     let side = if outwards < 0.0 { -normal } else { normal };
     // Rounds outwards to the next number, branch-free: the signs of the step are unpredictable.
     // Read as integers, with the negative ones mirrored, the bits of floating-point numbers have
-    // the order of the numbers. Four lanes become vector instructions, three do not.
-    let mirrored = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
-    let (position, step) = (position.extend(0.0).to_array(), (error * side).extend(0.0).to_array());
-    let away: [f32; 4] = core::array::from_fn(|i| {
-        let (moved, step) = (position[i] + step[i], step[i]);
+    // the order of the numbers.
+    let away = |p: f32, step: f32| {
+        let moved = p + step;
+        let mirrored = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
         let place = mirrored(moved.to_bits() as i32);
         let next = place + i32::from(step > 0.0) - i32::from(step < 0.0);
         let next = f32::from_bits(mirrored(next) as u32);
         if moved.is_finite() { next } else { moved }
-    });
-    Vec3::new(away[0], away[1], away[2])
+    };
+    let step = error * side;
+    Vec3::new(away(position.x, step.x), away(position.y, step.y), away(position.z, step.z))
 }
 
 /// Returns a bound on the distance between a point that was computed in `f64` and `p`, the same

@@ -10,7 +10,11 @@ use crate::{
 };
 use rayon::prelude::*;
 use rotund_bvh::{Bvh, Isa, PrimitiveHit, Start, Statistics};
-use rotund_geometry::{Hit, Ray, glam::Vec3, leave_surface};
+use rotund_geometry::{
+    Hit, Ray,
+    glam::{Vec2, Vec3},
+    leave_surface,
+};
 
 /// The acceleration structure of one scene: bounding volume hierarchies over its instances and
 /// elements.
@@ -178,13 +182,40 @@ impl Trees {
     /// May panic if `scene` is not the one that the trees were built from or refitted to.
     #[must_use]
     pub fn closest_after(&self, scene: &Scene, ray: &Ray, left: Option<u32>) -> Option<SceneHit> {
+        self.find(scene, ray, left, true)
+    }
+
+    /// [`Trees::closest_after`] for a renderer that needs the parameters of a hit only for colours
+    /// and textures: `uv` is zero on enhanced points and lines without any.
+    ///
+    /// # Panics
+    ///
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
+    #[must_use]
+    pub fn closest_to_shade(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        left: Option<u32>,
+    ) -> Option<SceneHit> {
+        self.find(scene, ray, left, self.route == Route::Rebuilt)
+    }
+
+    #[inline]
+    fn find(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        left: Option<u32>,
+        with_parameters: bool,
+    ) -> Option<SceneHit> {
         if let [placement] = self.placements.as_slice() {
             // Borrow the hit instead of moving it: copying it right after the store stalls on
             // store-to-load forwarding.
             let found = self.closest_in(scene, placement, ray, left);
-            return found
-                .as_ref()
-                .map(|found| self.scene_hit(scene, placement, found.id, &found.hit));
+            return found.as_ref().map(|found| {
+                self.scene_hit(scene, placement, found.id, &found.hit, with_parameters)
+            });
         }
         let test = |id: u32, ray: &Ray| {
             let found = self.closest_in(scene, &self.placements[id as usize], ray, left)?;
@@ -192,7 +223,7 @@ impl Trees {
         };
         let found = self.upper.closest(ray, test)?;
         let (placement, primitive) = (&self.placements[found.id as usize], &found.value);
-        Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit))
+        Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit, with_parameters))
     }
 
     /// Returns the first hit of the ray in a placement, in object space.
@@ -224,14 +255,24 @@ impl Trees {
 
     /// Converts the hit of an element of a placement to world space.
     #[inline(always)]
-    fn scene_hit(&self, scene: &Scene, placement: &Placement, element: u32, hit: &Hit) -> SceneHit {
+    fn scene_hit(
+        &self,
+        scene: &Scene,
+        placement: &Placement,
+        element: u32,
+        hit: &Hit,
+        with_parameters: bool,
+    ) -> SceneHit {
         let (instance, element) = self.locate(placement, element);
         let shape = &scene.shapes[scene.instances[instance as usize].shape as usize];
         let world = placement.frame.world_hit(hit, || shape.curvature(element, hit));
+        let skip =
+            !with_parameters && shape.has_costly_parameters() && !scene.is_textured(instance);
+        let uv = if skip { Vec2::ZERO } else { shape.uv(element, hit) };
         let hit = SceneHit {
             instance,
             element,
-            uv: shape.uv(element, hit),
+            uv,
             t: hit.t,
             position: world.position,
             normal: world.normal,

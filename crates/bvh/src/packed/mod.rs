@@ -12,6 +12,7 @@ mod crossings;
 mod exact;
 mod flat;
 mod kernel;
+mod lone;
 mod method_tag;
 mod patch;
 mod patch_crossing;
@@ -31,7 +32,8 @@ use crate::isa::Isa;
 use crate::node::{Tree, WIDTH};
 use any::FindAny;
 use closest::FindClosest;
-use kernel::{HasIds, Kernel, NO_ID};
+use kernel::{Kernel, NO_ID};
+use lone::TestLone;
 use method_tag::{Enhanced, Vanilla};
 use rayon::prelude::*;
 use rotund_geometry::{Aabb, BilinearPatch, Hit, Method, Ray, RoundedCone, Sphere, Triangle};
@@ -153,7 +155,7 @@ impl<P: Kernel> Packed<P> {
     #[inline]
     pub fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
         if let Some((id, block)) = self.lone() {
-            return lone_hit::<P>(block, ray, method).map(|hit| PrimitiveHit { id, hit });
+            return self.lone_hit(block, ray, method).map(|hit| PrimitiveHit { id, hit });
         }
         match method {
             Method::Enhanced => self.isa.run(FindClosest::<P, Enhanced>::new(self, ray)),
@@ -166,7 +168,7 @@ impl<P: Kernel> Packed<P> {
     #[inline]
     pub fn any(&self, ray: &Ray, method: Method) -> bool {
         if let Some((_, block)) = self.lone() {
-            return lone_hit::<P>(block, ray, method).is_some();
+            return self.lone_hit(block, ray, method).is_some();
         }
         match method {
             Method::Enhanced => self.isa.run(FindAny::<P, Enhanced>::new(self, ray)),
@@ -174,26 +176,11 @@ impl<P: Kernel> Packed<P> {
         }
     }
 
-    /// Returns the id and the block of the only primitive of the tree: a floor, a wall or a lamp.
-    /// Its exact test takes less time than the wide test of a leaf that may save it.
-    #[inline(always)]
-    fn lone(&self) -> Option<(u32, &P::Block)> {
-        let [block] = self.blocks.as_slice() else { return None };
-        let &[id, NO_ID, ..] = block.ids() else { return None };
-        Some((id, block))
-    }
-}
-
-/// Returns the hit of a ray with the primitive in the first lane of a block, by the exact test
-/// alone. As in a traversal, a ray that is not finite hits nothing.
-#[inline(never)]
-fn lone_hit<P: Kernel>(block: &P::Block, ray: &Ray, method: Method) -> Option<Hit> {
-    let primitive = P::unpack(block, 0);
-    if !(ray.origin.is_finite() && ray.direction.is_finite()) {
-        return None;
-    }
-    match method {
-        Method::Enhanced => primitive.exact_hit::<Enhanced>(ray),
-        Method::Vanilla => primitive.exact_hit::<Vanilla>(ray),
+    #[inline(never)]
+    fn lone_hit(&self, block: &P::Block, ray: &Ray, method: Method) -> Option<Hit> {
+        match method {
+            Method::Enhanced => self.isa.run(TestLone::<P, Enhanced>::new(block, ray)),
+            Method::Vanilla => self.isa.run(TestLone::<P, Vanilla>::new(block, ray)),
+        }
     }
 }
