@@ -66,6 +66,12 @@ impl Isa {
         }
     }
 
+    /// Runs a computation in a function that is compiled for this set.
+    #[inline]
+    pub fn vectorize<T: Vectorize>(self, task: T) -> T::Output {
+        self.run(Portably(task))
+    }
+
     #[inline(always)]
     pub(crate) fn run<T: WithSimd>(self, task: T) -> T::Output {
         match self.0 {
@@ -76,6 +82,29 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512(isa) => isa.run(task),
         }
+    }
+}
+
+/// A computation on arrays of numbers, which the compiler turns into vector instructions: see
+/// [`Isa::vectorize`].
+pub trait Vectorize {
+    /// The result.
+    type Output;
+
+    /// Computes it. Implementations are `#[inline(always)]`, and so is what they call: only code
+    /// that is inlined is compiled for the instruction set.
+    fn run(self) -> Self::Output;
+}
+
+/// A task that needs no vector operations by name.
+struct Portably<T>(T);
+
+impl<T: Vectorize> WithSimd for Portably<T> {
+    type Output = T::Output;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> T::Output {
+        self.0.run()
     }
 }
 

@@ -74,7 +74,7 @@ mod traverse;
 pub use build::MAX_PRIMITIVES;
 pub use bvh::Bvh;
 pub use found::{Crossing, Found, PrimitiveHit};
-pub use isa::{Isa, UnknownIsa};
+pub use isa::{Isa, UnknownIsa, Vectorize};
 pub use packed::{
     ConeTree, Packed, PatchTree, SphereTree, Start, Statistics, TriangleTree, Visits,
 };

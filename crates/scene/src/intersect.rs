@@ -4,12 +4,17 @@
 use crate::{
     Scene, SceneError, SceneHit,
     placement::{Placement, Placements},
+    plate::Plate,
     shape_tree::ShapeTree,
     validate::item,
 };
 use rayon::prelude::*;
 use rotund_bvh::{Bvh, Isa, PrimitiveHit, Start, Statistics};
-use rotund_geometry::{Hit, Ray, glam::Vec3, leave_surface};
+use rotund_geometry::{
+    Hit, Ray,
+    glam::{Vec2, Vec3},
+    leave_surface,
+};
 
 /// The acceleration structure of one scene: bounding volume hierarchies over its instances and
 /// elements.
@@ -26,12 +31,16 @@ pub struct Trees {
     placements: Vec<Placement>,
     /// The tree of each shape, followed by those that several instances share.
     trees: Vec<ShapeTree>,
+    /// Planes around the elements of each tree of a flat shape.
+    plates: Vec<Option<Plate>>,
     /// The number of elements of each shape.
     element_counts: Vec<usize>,
     instance_count: usize,
     /// For each shared tree, the number of elements before those of each of its instances.
     shared: Vec<Vec<u32>>,
     route: Route,
+    /// Whether any placement is one body into which one can see.
+    has_bodies: bool,
 }
 
 /// The source of position and normal of a [`SceneHit`].
@@ -63,11 +72,13 @@ impl Trees {
     pub fn build(scene: &Scene) -> Result<Self, SceneError> {
         scene.validate()?;
         let trees: Vec<_> = scene.shapes.par_iter().map(ShapeTree::build).collect();
-        let Placements { placements, boxes, trees, shared } = Placements::new(scene, trees);
+        let Placements { placements, boxes, trees, plates, shared } = Placements::new(scene, trees);
         Ok(Self {
             upper: Bvh::build(&boxes),
+            has_bodies: placements.iter().any(Placement::is_body),
             placements,
             trees,
+            plates,
             element_counts: scene.shapes.iter().map(|shape| shape.elements.count()).collect(),
             instance_count: scene.instances.len(),
             shared,
@@ -100,8 +111,10 @@ impl Trees {
         if !same || self.upper.refit(&placed.boxes).is_err() {
             self.upper = Bvh::build(&placed.boxes).with_isa(isa);
         }
+        self.has_bodies = placed.placements.iter().any(Placement::is_body);
         self.placements = placed.placements;
         self.trees = placed.trees.into_iter().map(|tree| tree.with_isa(isa)).collect();
+        self.plates = placed.plates;
         self.shared = placed.shared;
         Ok(())
     }
@@ -169,13 +182,40 @@ impl Trees {
     /// May panic if `scene` is not the one that the trees were built from or refitted to.
     #[must_use]
     pub fn closest_after(&self, scene: &Scene, ray: &Ray, left: Option<u32>) -> Option<SceneHit> {
+        self.find(scene, ray, left, true)
+    }
+
+    /// [`Trees::closest_after`] for a renderer that needs the parameters of a hit only for colours
+    /// and textures: `uv` is zero on enhanced points and lines without any.
+    ///
+    /// # Panics
+    ///
+    /// May panic if `scene` is not the one that the trees were built from or refitted to.
+    #[must_use]
+    pub fn closest_to_shade(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        left: Option<u32>,
+    ) -> Option<SceneHit> {
+        self.find(scene, ray, left, self.route == Route::Rebuilt)
+    }
+
+    #[inline]
+    fn find(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        left: Option<u32>,
+        with_parameters: bool,
+    ) -> Option<SceneHit> {
         if let [placement] = self.placements.as_slice() {
             // Borrow the hit instead of moving it: copying it right after the store stalls on
             // store-to-load forwarding.
             let found = self.closest_in(scene, placement, ray, left);
-            return found
-                .as_ref()
-                .map(|found| self.scene_hit(scene, placement, found.id, &found.hit));
+            return found.as_ref().map(|found| {
+                self.scene_hit(scene, placement, found.id, &found.hit, with_parameters)
+            });
         }
         let test = |id: u32, ray: &Ray| {
             let found = self.closest_in(scene, &self.placements[id as usize], ray, left)?;
@@ -183,7 +223,7 @@ impl Trees {
         };
         let found = self.upper.closest(ray, test)?;
         let (placement, primitive) = (&self.placements[found.id as usize], &found.value);
-        Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit))
+        Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit, with_parameters))
     }
 
     /// Returns the first hit of the ray in a placement, in object space.
@@ -201,19 +241,38 @@ impl Trees {
         if placement.is_union(shape) {
             return tree.boundary(&ray, start(placement, left));
         }
+        if self.is_beside(placement, &ray) {
+            return None;
+        }
         tree.closest(&ray, shape.method)
+    }
+
+    /// Returns true only if a ray in object space misses all elements of a placement.
+    #[inline(always)]
+    fn is_beside(&self, placement: &Placement, ray: &Ray) -> bool {
+        self.plates[placement.tree as usize].as_ref().is_some_and(|plate| plate.is_missed(ray))
     }
 
     /// Converts the hit of an element of a placement to world space.
     #[inline(always)]
-    fn scene_hit(&self, scene: &Scene, placement: &Placement, element: u32, hit: &Hit) -> SceneHit {
+    fn scene_hit(
+        &self,
+        scene: &Scene,
+        placement: &Placement,
+        element: u32,
+        hit: &Hit,
+        with_parameters: bool,
+    ) -> SceneHit {
         let (instance, element) = self.locate(placement, element);
         let shape = &scene.shapes[scene.instances[instance as usize].shape as usize];
         let world = placement.frame.world_hit(hit, || shape.curvature(element, hit));
+        let skip =
+            !with_parameters && shape.has_costly_parameters() && !scene.is_textured(instance);
+        let uv = if skip { Vec2::ZERO } else { shape.uv(element, hit) };
         let hit = SceneHit {
             instance,
             element,
-            uv: shape.uv(element, hit),
+            uv,
             t: hit.t,
             position: world.position,
             normal: world.normal,
@@ -272,6 +331,9 @@ impl Trees {
         normal: Vec3,
         error: f32,
     ) -> bool {
+        if !self.has_bodies {
+            return false;
+        }
         let after = self.placements.partition_point(|place| place.instance <= instance);
         let Some(placement) = after.checked_sub(1).map(|index| &self.placements[index]) else {
             return false;
@@ -312,7 +374,7 @@ impl Trees {
             if placement.is_union(shape) {
                 return tree.boundary(&ray, start(placement, left)).is_some();
             }
-            tree.any(&ray, shape.method)
+            !self.is_beside(placement, &ray) && tree.any(&ray, shape.method)
         };
         if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }

@@ -96,6 +96,7 @@ mod load;
 mod material;
 mod overlap;
 mod placement;
+mod plate;
 mod primitive;
 mod scene;
 mod shape;

@@ -1,8 +1,8 @@
 //! Placements: instances prepared for ray queries, where small neighbours share a tree.
 
 use crate::{
-    ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame, shape_tree::ShapeTree,
-    unions::Unions,
+    ElementKind, Elements, Instance, Method, Scene, Shape, frame::Frame, plate::Plate,
+    shape_tree::ShapeTree, unions::Unions,
 };
 use glam::Affine3A;
 use rayon::prelude::*;
@@ -63,6 +63,11 @@ impl Placement {
         ray
     }
 
+    /// Returns whether the elements are one body into which one can see.
+    pub(crate) fn is_body(&self) -> bool {
+        self.union
+    }
+
     /// Returns whether the surface of the shape is the boundary of the union of its elements.
     #[inline]
     pub(crate) fn is_union(&self, shape: &Shape) -> bool {
@@ -77,6 +82,8 @@ pub(crate) struct Placements {
     pub boxes: Vec<Aabb>,
     /// The tree of each shape, followed by those that several instances share.
     pub trees: Vec<ShapeTree>,
+    /// Planes around the elements of each tree of a flat shape; shared trees have none.
+    pub plates: Vec<Option<Plate>>,
     /// For each shared tree, the number of elements before those of each of its instances.
     pub shared: Vec<Vec<u32>>,
 }
@@ -104,7 +111,9 @@ impl Placements {
             trees.push(ShapeTree::Triangles(tree));
             shared.push(starts);
         }
-        Self { placements, boxes, trees, shared }
+        let mut plates: Vec<_> = scene.shapes.par_iter().map(Plate::around).collect();
+        plates.resize(trees.len(), None);
+        Self { placements, boxes, trees, plates, shared }
     }
 }
 

@@ -75,7 +75,7 @@ impl Primitive {
 }
 
 impl Shape {
-    fn is_round(&self) -> bool {
+    pub(crate) fn is_round(&self) -> bool {
         matches!(self.elements, Elements::Points(_) | Elements::Lines(_))
     }
 
@@ -84,9 +84,14 @@ impl Shape {
         self.method == Method::Vanilla && self.is_round()
     }
 
+    /// Returns true for spheres and cones, whose parameters are angles.
+    pub(crate) fn has_costly_parameters(&self) -> bool {
+        self.method == Method::Enhanced && self.is_round()
+    }
+
     /// Returns the parameters of a hit of an element.
     pub(crate) fn uv(&self, element: u32, hit: &Hit) -> Vec2 {
-        if self.method == Method::Enhanced && self.is_round() {
+        if self.has_costly_parameters() {
             self.primitive(element).uv(hit)
         } else {
             // The hit of all other primitives stores their parameters, so no vertices are fetched.

@@ -19,5 +19,8 @@ pub fn camera_ray(
     let [u, v, lens_u, lens_v] = sampler.set(0);
     let size = Vec2::new(width as f32, height as f32);
     let image_uv = Vec2::new(x as f32 + u, y as f32 + v) / size;
-    camera.ray(image_uv, warp::disk(Vec2::new(lens_u, lens_v)))
+    // A pinhole has no other point.
+    let lens_uv =
+        if camera.aperture == 0.0 { Vec2::ZERO } else { warp::disk(Vec2::new(lens_u, lens_v)) };
+    camera.ray(image_uv, lens_uv)
 }

@@ -1,6 +1,7 @@
 //! Random numbers as a function of seed, pixel, sample and dimension, independent of threads.
 
-use sobol_burley::parts::{Int4, hash_int4, owen_scramble_int4_rev, owen_scramble_rev, sobol_rev};
+use rotund_bvh::{Isa, Vectorize};
+use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
 use std::sync::LazyLock;
 
 /// The generator of the random numbers of a path.
@@ -103,7 +104,9 @@ impl Sampler {
     pub fn set(&self, set: u32) -> [f32; 4] {
         let first = mix(self.key ^ mix(u64::from(set)));
         if self.sequence == Sequence::Sobol {
-            return scrambled(self.index, first as u32, (first >> 32) as u32);
+            let (shuffle, scramble) = (first as u32, (first >> 32) as u32);
+            let scrambled = Scrambled { index: self.index, shuffle, scramble };
+            return Isa::default_set().vectorize(scrambled);
         }
         let second = mix(first);
         let unit = |bits: u64| (bits as u32 >> 8) as f32 * (1.0 / (1_u32 << 24) as f32);
@@ -111,13 +114,29 @@ impl Sampler {
     }
 }
 
-/// Returns four coordinates of a Sobol point, whose index has its bits reversed. The index is
-/// shuffled and each coordinate scrambled, both by Owen's method: `sobol_burley::sample_4d` with
-/// two seeds.
-fn scrambled(index: u32, shuffle: u32, scramble: u32) -> [f32; 4] {
-    let seeds = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].map(|salt| scramble ^ salt);
-    let points = Int4::from(sobol_point(owen_scramble_rev(index, shuffle)));
-    owen_scramble_int4_rev(points, hash_int4(seeds.into())).reverse_bits().to_f32_norm()
+/// Four coordinates of a Sobol point, whose index has its bits reversed. The index is shuffled and
+/// each coordinate scrambled, both by Owen's method: `sobol_burley::sample_4d` with two seeds.
+struct Scrambled {
+    index: u32,
+    shuffle: u32,
+    scramble: u32,
+}
+
+impl Vectorize for Scrambled {
+    type Output = [f32; 4];
+
+    #[inline(always)]
+    fn run(self) -> [f32; 4] {
+        let Self { index, shuffle, scramble } = self;
+        let salts = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8];
+        let point = sobol_point(owen_scramble_rev(index, shuffle));
+        let mut coordinates = [0.0; 4];
+        for ((coordinate, point), salt) in coordinates.iter_mut().zip(point).zip(salts) {
+            let scrambled = owen_scramble_rev(point, hash(scramble ^ salt));
+            *coordinate = u32_to_f32_norm(scrambled.reverse_bits());
+        }
+        coordinates
+    }
 }
 
 /// Returns the first four coordinates of a Sobol point, bits reversed, from the first 16 bits of
@@ -125,7 +144,7 @@ fn scrambled(index: u32, shuffle: u32, scramble: u32) -> [f32; 4] {
 ///
 /// Coordinates are linear over the bits of the index, so a table of four bits at a time replaces a
 /// sum over single bits.
-#[inline]
+#[inline(always)]
 fn sobol_point(index: u32) -> [u32; 4] {
     let mut sum = [0; 4];
     for (place, quarter) in SOBOL.iter().enumerate() {
@@ -158,7 +177,6 @@ fn mix(x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sobol_burley::parts::hash;
 
     #[test]
     fn the_points_are_those_of_the_published_sequence() {
@@ -166,8 +184,11 @@ mod tests {
             // The seeds that `sample_4d` makes of one.
             let [shuffle, scramble] = [hash(seed ^ 0x79c6_8e4a), seed.wrapping_mul(0x9c8f_2d3b)];
             let expected = sobol_burley::sample_4d(sample, 0, seed);
-            let found = scrambled(sample.reverse_bits(), shuffle, scramble);
-            assert_eq!(found, expected, "sample {sample}, seed {seed}");
+            for isa in Isa::available() {
+                let index = sample.reverse_bits();
+                let found = isa.vectorize(Scrambled { index, shuffle, scramble });
+                assert_eq!(found, expected, "sample {sample}, seed {seed}, {isa:?}");
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_4, TAU};
+use std::hint::select_unpredictable;
 
 /// Returns a point of the unit disk, uniform by area, by the concentric map.
 ///
@@ -10,13 +11,12 @@ use std::f32::consts::{FRAC_PI_4, TAU};
 #[must_use]
 pub fn disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - 1.0;
-    // Branch-free: the comparison is unpredictable.
     let wide = p.x.abs() > p.y.abs();
-    let (radius, across) = if wide { (p.x, p.y) } else { (p.y, p.x) };
+    let [radius, across] = select_unpredictable(wide, [p.x, p.y], [p.y, p.x]);
     let share = if radius == 0.0 { 0.0 } else { across / radius };
     let (sine, cosine) = sine_and_cosine(FRAC_PI_4 * share);
-    let (x, y) = if wide { (cosine, sine) } else { (sine, cosine) };
-    radius * Vec2::new(x, y)
+    let point = select_unpredictable(wide, [cosine, sine], [sine, cosine]);
+    radius * Vec2::from_array(point)
 }
 
 /// Returns sine and cosine of an angle of at most π / 4, within 1e-7.

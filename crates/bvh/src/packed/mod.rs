@@ -12,6 +12,7 @@ mod crossings;
 mod exact;
 mod flat;
 mod kernel;
+mod lone;
 mod method_tag;
 mod patch;
 mod patch_crossing;
@@ -32,9 +33,10 @@ use crate::node::{Tree, WIDTH};
 use any::FindAny;
 use closest::FindClosest;
 use kernel::{Kernel, NO_ID};
+use lone::TestLone;
 use method_tag::{Enhanced, Vanilla};
 use rayon::prelude::*;
-use rotund_geometry::{Aabb, BilinearPatch, Method, Ray, RoundedCone, Sphere, Triangle};
+use rotund_geometry::{Aabb, BilinearPatch, Hit, Method, Ray, RoundedCone, Sphere, Triangle};
 
 pub use report::{Statistics, Visits};
 pub use union::Start;
@@ -152,6 +154,9 @@ impl<P: Kernel> Packed<P> {
     #[must_use]
     #[inline]
     pub fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
+        if let Some((id, block)) = self.lone() {
+            return self.lone_hit(block, ray, method).map(|hit| PrimitiveHit { id, hit });
+        }
         match method {
             Method::Enhanced => self.isa.run(FindClosest::<P, Enhanced>::new(self, ray)),
             Method::Vanilla => self.isa.run(FindClosest::<P, Vanilla>::new(self, ray)),
@@ -162,9 +167,20 @@ impl<P: Kernel> Packed<P> {
     #[must_use]
     #[inline]
     pub fn any(&self, ray: &Ray, method: Method) -> bool {
+        if let Some((_, block)) = self.lone() {
+            return self.lone_hit(block, ray, method).is_some();
+        }
         match method {
             Method::Enhanced => self.isa.run(FindAny::<P, Enhanced>::new(self, ray)),
             Method::Vanilla => self.isa.run(FindAny::<P, Vanilla>::new(self, ray)),
+        }
+    }
+
+    #[inline(never)]
+    fn lone_hit(&self, block: &P::Block, ray: &Ray, method: Method) -> Option<Hit> {
+        match method {
+            Method::Enhanced => self.isa.run(TestLone::<P, Enhanced>::new(block, ray)),
+            Method::Vanilla => self.isa.run(TestLone::<P, Vanilla>::new(block, ray)),
         }
     }
 }

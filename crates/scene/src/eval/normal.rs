@@ -52,10 +52,19 @@ impl Scene {
     pub fn shading_normal(&self, hit: &SceneHit, outgoing: Vec3) -> Vec3 {
         let instance = &self.instances[hit.instance as usize];
         let shape = &self.shapes[instance.shape as usize];
-        let refractive =
-            self.materials[instance.material as usize].kind == MaterialKind::Refractive;
+        let material = &self.materials[instance.material as usize];
+        let refractive = material.kind == MaterialKind::Refractive;
+        let enhanced = shape.method == Method::Enhanced;
+        let smooth = shape.is_round() || shape.normals.is_empty();
+        if enhanced && smooth && material.normal_tex.is_none() {
+            // The usual case: the geometric normal, which needs no bound unless the viewer grazes.
+            let rise = hit.normal.dot(outgoing);
+            if rise * rise > 1e-6 * outgoing.length_squared() {
+                return if rise >= 0.0 || refractive { hit.normal } else { -hit.normal };
+            }
+        }
         let outgoing = outgoing.normalize_or(hit.normal);
-        if shape.method == Method::Enhanced {
+        if enhanced {
             let normal = self.bent_normal(hit.instance, hit.element, hit.uv, hit.normal);
             // The geometric normal decides on the side of the viewer.
             let outside = hit.normal.dot(outgoing) >= 0.0;
@@ -89,9 +98,13 @@ impl Scene {
             }
             Elements::Points(_) | Elements::Lines(_) => geometric,
             Elements::Triangles(_) | Elements::Quads(_) => {
-                let smooth = Weights::new(shape, element, uv)
-                    .of(&shape.normals)
-                    .map_or(Vec3::ZERO, |normal| transform_normal(&frame.matrix3, normal));
+                let smooth = if shape.normals.is_empty() {
+                    Vec3::ZERO
+                } else {
+                    Weights::new(shape, element, uv)
+                        .of(&shape.normals)
+                        .map_or(Vec3::ZERO, |normal| transform_normal(&frame.matrix3, normal))
+                };
                 // Fall back to the face if vertices have no normals, or if those cancel.
                 if smooth == Vec3::ZERO {
                     face_normal(shape, element, &frame.matrix3, geometric)
@@ -181,7 +194,7 @@ fn bounded(normal: Vec3, up: Vec3, outgoing: Vec3) -> Vec3 {
 /// Returns the normal of a face. Both triangles of a vanilla quad have the mean of their normals,
 /// as in yocto-gl.
 fn face_normal(shape: &Shape, element: u32, matrix: &Mat3A, geometric: Vec3) -> Vec3 {
-    if shape.elements.kind() != ElementKind::Quads {
+    if shape.elements.kind() != ElementKind::Quads || shape.method == Method::Enhanced {
         return geometric;
     }
     let Primitive::Quad(quad) = shape.primitive(element) else { return geometric };

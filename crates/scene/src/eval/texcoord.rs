@@ -5,6 +5,21 @@ use crate::Scene;
 use glam::{Vec2, Vec4};
 
 impl Scene {
+    /// Returns whether colours or textures of an instance vary with the parameters of its elements.
+    #[inline]
+    pub(crate) fn is_textured(&self, instance: u32) -> bool {
+        let (_, shape) = self.placed(instance);
+        let material = &self.materials[self.instances[instance as usize].material as usize];
+        let textures = [
+            material.color_tex,
+            material.emission_tex,
+            material.roughness_tex,
+            material.scattering_tex,
+            material.normal_tex,
+        ];
+        !shape.colors.is_empty() || textures.iter().any(Option::is_some)
+    }
+
     /// Returns texture coordinates: interpolated between vertices, or the parameters of the element
     /// if the shape has none, which map a globe onto a sphere and stripes onto a tube.
     ///

@@ -27,7 +27,11 @@ pub(super) struct LightTree {
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    extent: Extent,
+    power: f32,
+    normal: Vec3,
+    /// Center of the bounds, and the square of the distance of its corners.
+    center: Vec3,
+    radius2: f32,
     kind: Kind,
 }
 
@@ -76,11 +80,11 @@ impl LightTree {
             .expect("a group has members");
         let index = self.nodes.len();
         if let &mut [emitter] = members {
-            self.nodes.push(Node { extent, kind: Kind::Leaf(emitter) });
+            self.nodes.push(Node::new(&extent, Kind::Leaf(emitter)));
             self.trails[emitter as usize] = trail;
             return;
         }
-        self.nodes.push(Node { extent, kind: Kind::Fork(0) });
+        self.nodes.push(Node::new(&extent, Kind::Fork(0)));
         let middle = split(emitters, members, depth);
         let (first, second) = members.split_at_mut(middle);
         self.build(emitters, first, depth + 1, trail);
@@ -91,7 +95,7 @@ impl LightTree {
     /// Returns an estimate of the irradiance of all emitters together: an upper bound but for the
     /// variation of the distance within a group, without occlusion.
     pub(super) fn importance(&self, receiver: &Receiver) -> f32 {
-        self.nodes.first().map_or(0.0, |root| root.extent.importance(receiver))
+        self.nodes.first().map_or(0.0, |root| root.importance(receiver))
     }
 
     /// Samples an emitter. Returns its index and probability, or `None` if no emitter can
@@ -139,8 +143,8 @@ impl LightTree {
     }
 
     fn share_of_first(&self, index: usize, second: u32, receiver: &Receiver) -> Option<f32> {
-        let a = self.nodes[index + 1].extent.importance(receiver);
-        let b = self.nodes[second as usize].extent.importance(receiver);
+        let a = self.nodes[index + 1].importance(receiver);
+        let b = self.nodes[second as usize].importance(receiver);
         (a + b > 0.0).then(|| a / (a + b))
     }
 }
@@ -154,12 +158,19 @@ impl Extent {
             normal: if together { self.normal } else { Vec3::ZERO },
         }
     }
+}
+
+impl Node {
+    fn new(extent: &Extent, kind: Kind) -> Self {
+        let Extent { bounds, power, normal } = *extent;
+        let radius2 = 0.25 * (bounds.max - bounds.min).length_squared();
+        Self { power, normal, center: bounds.center(), radius2, kind }
+    }
 
     /// Returns the importance of the group for a receiver: 0 only if no light can reach it.
     fn importance(&self, receiver: &Receiver) -> f32 {
-        let center = self.bounds.center();
-        let radius2 = 0.25 * (self.bounds.max - self.bounds.min).length_squared();
-        let to = center - receiver.position;
+        let radius2 = self.radius2;
+        let to = self.center - receiver.position;
         let distance2 = to.length_squared();
         let near = self.power / distance2.max(radius2).max(f32::MIN_POSITIVE);
         if distance2 <= radius2 {

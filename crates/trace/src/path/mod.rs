@@ -91,7 +91,7 @@ enum Next {
 impl Context<'_> {
     /// Returns the radiance along a ray of unit direction.
     pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler) -> Arrived {
-        let path = Path {
+        let mut path = Path {
             context: self,
             sampler: *sampler,
             ray,
@@ -115,7 +115,7 @@ impl Context<'_> {
 
 impl Path<'_> {
     /// Follows the path to its end.
-    fn follow(mut self) -> Arrived {
+    fn follow(&mut self) -> Arrived {
         while self.segment <= self.context.bounces {
             match self.step() {
                 Next::Segment => {}
@@ -127,11 +127,12 @@ impl Path<'_> {
     }
 
     /// Splits the path, and adds the mean radiance of its parts to what has arrived.
-    fn divide(self) -> Arrived {
+    fn divide(&self) -> Arrived {
         let mut sum = self.arrived;
         for part in 0..PARTS {
             let sampler = self.sampler.part(part, PARTS);
-            let path = Path { sampler, part: true, arrived: Arrived::default(), ..self.clone() };
+            let mut path =
+                Path { sampler, part: true, arrived: Arrived::default(), ..self.clone() };
             let arrived = path.follow();
             sum.radiance += arrived.radiance / PARTS as f32;
             sum.rays += arrived.rays;
@@ -145,7 +146,7 @@ impl Path<'_> {
         self.arrived.rays += 1;
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
-        let found = self.context.trees.closest_after(scene, &self.ray, self.left);
+        let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
         let Some(hit) = &found else {
             self.gather_environment();
             return Next::End;
