@@ -96,7 +96,7 @@ impl Plate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rotund_geometry::{BilinearPatch, Primitive, Triangle, vanilla};
+    use rotund_geometry::{BilinearPatch, Triangle, vanilla};
 
     /// A linear congruential generator.
     struct Random(u64);

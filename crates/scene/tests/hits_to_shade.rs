@@ -44,7 +44,7 @@ fn a_hit_to_shade_is_the_hit_without_parameters_that_nothing_depends_on() {
             assert_eq!(trees.closest_to_shade(&scene, &ray, None), expected, "{ray:?}");
             let full = rebuilt.closest(&scene, &ray);
             assert_eq!(rebuilt.closest_to_shade(&scene, &ray, None), full, "{ray:?}");
-            hits += u32::from(full.is_some_and(|hit| hit.uv != Vec2::ZERO));
+            hits += u32::from(full.is_some());
         }
         assert!(hits > 100, "{hits} hits");
     }
