@@ -34,10 +34,10 @@ const SETS_PER_SEGMENT: u32 = 3;
 /// Four parts share the cost of the segments before the split.
 const PARTS: u32 = 4;
 
-/// Largest number of branches of a path on average. Smooth dielectrics between the camera and the
-/// first rough surface both reflect and transmit; a branch with less than one over this number of
-/// the light is followed by chance, as if it had so much. A bright lamp that glass reflects once is
-/// most of the noise of a picture of glass otherwise.
+/// Largest number of branches of a path. Smooth dielectrics between the camera and the first rough
+/// surface both reflect and transmit; a branch with less than one over this number of the light is
+/// followed by chance, as if it had so much. A bright lamp that glass reflects once is most of the
+/// noise of a picture of glass otherwise.
 const BRANCHES: f32 = 8.0;
 
 /// The vertex at which the last direction was sampled, unless it was a delta direction.
