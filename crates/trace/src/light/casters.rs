@@ -56,7 +56,7 @@ const WIDEST: f32 = 0.2;
 /// Largest number of faces that are casters of their own; a mesh of more is one caster.
 const FACES: usize = 8;
 /// Largest number of round elements that are casters of their own: each takes 320 bytes.
-const ROUND: usize = 1 << 16;
+pub(super) const ROUND: usize = 1 << 16;
 
 /// Returns true if surfaces of a material pass light on in narrow beams.
 pub(crate) fn casts(material: &Material) -> bool {

@@ -72,7 +72,7 @@ impl Path<'_> {
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = lit.then_some(Origin { receiver, pdf });
-        self.reverse = None;
+        (self.reverse, self.passage) = (None, None);
         self.smooth = false;
         self.continue_along(Ray::new(position, incoming), None, roulette)
     }
@@ -90,6 +90,7 @@ impl Path<'_> {
                 let allowed = vertex.allows(normal, outgoing, incoming);
                 (if allowed { value.value } else { Vec3::ZERO }, value.pdf)
             });
+            self.gather_through_lens(&receiver, &vertex, &bsdf);
         }
         let [x, y, choice, roulette] = self.numbers(1);
         let wall = Wall { hit, outgoing, medium, normal };
@@ -101,6 +102,7 @@ impl Path<'_> {
         let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
         self.smooth &= scattered.pdf.is_none();
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
+        self.passage = self.passed(&receiver, &vertex, &scattered);
         self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
         self.leave(&wall, scattered.incoming, scattered.weight, roulette)
     }
