@@ -184,9 +184,9 @@ impl Bsdf {
         }
     }
 
-    /// Returns the two directions that a smooth boundary of dielectrics reflects and transmits, as
-    /// [`Self::sample`] does, and the probability of the first; `None` for other surfaces, and where
-    /// the boundary reflects everything.
+    /// Returns the two directions that a smooth boundary of dielectrics reflects and transmits,
+    /// each as [`Self::sample`] does, and the probability of the first; `None` for other surfaces,
+    /// and where the boundary reflects everything.
     pub(crate) fn both(&self) -> Option<([BsdfSample; 2], f32)> {
         let outgoing = self.outgoing;
         let (f, through, color) = match self.lobes {

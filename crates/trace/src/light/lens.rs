@@ -15,8 +15,8 @@
 //! convex: there are at most two solutions of the first equation and one of the second, and
 //! Newton's method finds them from the ends of the range without passing one.
 //!
-//! J. Hanika, M. Droske, L. Fascione, "Manifold Next Event Estimation", EGSR 2015, find one such path
-//! through any surfaces, by iterations in more dimensions.
+//! J. Hanika, M. Droske, L. Fascione, "Manifold Next Event Estimation", EGSR 2015, find one such
+//! path through any surfaces, by iterations in more dimensions.
 
 use super::round::Ball;
 use crate::bsdf::fresnel;

@@ -282,8 +282,8 @@ fn light_paths_change_no_light() {
 #[test]
 fn light_through_a_ball_of_glass_is_found_in_a_mirror() {
     let mut scene = floor();
-    // The camera looks into a mirror alone, at the place below the ball, where the mirror sends none
-    // of the light of the lamp.
+    // The camera looks into a mirror alone, at the place below the ball, where the mirror sends
+    // none of the light of the lamp.
     let (eye, target) = (Vec3::new(0.0, 2.2, 0.6), Vec3::new(0.0, 0.4, -0.9));
     scene.cameras = vec![Camera { lens: 0.15, ..Camera::look_at(eye, target, Vec3::Y) }];
     let mirror = [[-0.5, 0.2, -0.85], [0.5, 0.2, -0.85], [0.5, 0.6, -0.95], [-0.5, 0.6, -0.95]];

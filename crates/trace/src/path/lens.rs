@@ -1,9 +1,9 @@
 //! Light sampled through a ball of smooth glass.
 //!
 //! At a rough surface whose light paths cannot be connected to the camera, because it is seen in
-//! glass or mirrors or by way of another rough surface, a ball and a light are chosen, and all paths
-//! from the sampled point of the light through the ball. The BSDF finds the same paths; the power
-//! heuristic weights both.
+//! glass or mirrors or by way of another rough surface, a ball and a point of a light are sampled.
+//! All paths that the ball refracts between them are found. The BSDF finds the same paths; the
+//! power heuristic weights both.
 
 use super::Path;
 use crate::context::Context;
