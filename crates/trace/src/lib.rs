@@ -3,9 +3,9 @@
 //! A [`World`] holds a scene with its trees and lights. [`World::render`] traces paths from a
 //! camera: at each vertex one direction is sampled from the [`Lights`] and one from the [`Bsdf`],
 //! combined by multiple importance sampling. Where smooth glass or metal casts light, paths from
-//! the lights join them. The result is a [`Film`], whose sums are exact: any
-//! order of samples, any number of threads, any interruption and any division into [`Shard`]s makes
-//! the same bits. [`output`] writes pictures and checkpoints.
+//! the lights join them, and lights are sampled through balls of glass. The result is a [`Film`],
+//! whose sums are exact: any order of samples, any number of threads, any interruption and any
+//! division into [`Shard`]s makes the same bits. [`output`] writes pictures and checkpoints.
 //!
 //! A custom integrator starts its paths with [`camera_ray`], takes its random numbers from a
 //! [`Sampler`], and fills a film by [`Film::accumulate`]; [`Lights`] shows how to combine light and

@@ -28,7 +28,8 @@ pub struct Options {
     pub view: View,
     /// Limit to which samples with a larger channel are scaled down. Clamping removes energy, so
     /// there is no limit by default; [`crate::Film::clamped`] counts the samples that it changed.
-    /// What a path from a light adds to a pixel is limited alike.
+    /// What a path from a light adds to a pixel is spread over eight samples, and each is limited
+    /// alike.
     pub clamp: Option<f32>,
     /// Hides the environment from the camera: a camera ray that reaches it, possibly straight
     /// through surfaces of partial opacity and clouds, adds no radiance and alpha 0. The

@@ -101,6 +101,28 @@ fn clear_glass_cannot_be_seen_in_a_white_furnace() {
     }
 }
 
+fn white_sky() -> Environment {
+    Environment {
+        name: String::new(),
+        world_from_environment: Affine3A::IDENTITY,
+        emission: Vec3::ONE,
+        emission_tex: None,
+    }
+}
+
+/// Glass is followed both ways, but each sample has the light of one path.
+#[test]
+fn no_sample_of_clear_glass_is_brighter_than_a_white_sky() {
+    let tube: Solid =
+        (Elements::Lines(vec![[0, 1]]), &[[-0.8, -0.2, 0.0, 0.4], [0.8, 0.2, 0.0, 0.2]]);
+    let mut scene = glass(&[tube], 0.0);
+    scene.environments.push(white_sky());
+    // Russian roulette, which makes samples brighter, begins later.
+    let options = Options { width: 48, height: 32, samples: 64, bounces: 4, ..Options::default() };
+    let film = World::new(&scene).expect("a valid scene").render(0, &options).expect("a picture");
+    assert_eq!(film.fireflies(), 0);
+}
+
 #[test]
 fn frosted_glass_gains_no_light() {
     let balls: &'static [[f32; 4]] = &[[0.0, 0.0, 0.0, 0.8]];
@@ -124,12 +146,7 @@ fn milk_that_absorbs_nothing_cannot_be_seen_in_white_light() {
         milk.trdepth = 1.0;
         milk.albedo = Vec3::ONE;
         milk.anisotropy = anisotropy;
-        in_sky.environments.push(Environment {
-            name: String::new(),
-            world_from_environment: Affine3A::IDENTITY,
-            emission: Vec3::ONE,
-            emission_tex: None,
-        });
+        in_sky.environments.push(white_sky());
         let mut in_shell = glass(&[ball.clone(), shell.clone()], 0.0);
         in_shell.materials = vec![
             in_sky.materials[0].clone(),

@@ -185,8 +185,8 @@ impl Bsdf {
     }
 
     /// Returns the two directions that a smooth boundary of dielectrics reflects and transmits,
-    /// each with its share of the light as weight, and the probability of the first; `None` for
-    /// other surfaces, and where the boundary reflects everything.
+    /// each as [`Self::sample`] does, and the probability of the first; `None` for other surfaces,
+    /// and where the boundary reflects everything.
     pub(crate) fn both(&self) -> Option<([BsdfSample; 2], f32)> {
         let outgoing = self.outgoing;
         let (f, through, color) = match self.lobes {
@@ -202,7 +202,7 @@ impl Bsdf {
             let incoming = self.frame.world_from_local(incoming);
             BsdfSample { incoming, weight, pdf: None }
         };
-        Some(([delta(mirrored, Vec3::splat(f)), delta(through, (1.0 - f) * color)], f))
+        Some(([delta(mirrored, Vec3::ONE), delta(through, color)], f))
     }
 
     /// Samples an incoming direction: `choice` picks the lobe, `u` the direction in it, all uniform

@@ -57,8 +57,10 @@ pub(crate) type Splats = Vec<Splat>;
 pub(crate) struct Splat {
     /// Place in the picture, `0.0..1.0`.
     pub(crate) image_uv: Vec2,
-    /// What to add to the sum of the samples of the pixel.
+    /// Radiance of each of the samples of the pixel that the light is spread over.
     pub(crate) radiance: Vec3,
+    /// Number of those samples.
+    pub(crate) samples: f32,
 }
 
 /// Treatment of bright samples.
@@ -249,13 +251,13 @@ impl Film {
     /// Adds the light of light paths to the pixels that see it.
     fn add_splats(&mut self, mut tally: Tally, limits: Limits) -> Tally {
         let [width, height] = [self.header.width, self.header.height];
-        for Splat { image_uv, radiance } in std::mem::take(&mut tally.splats) {
+        for Splat { image_uv, radiance, samples } in std::mem::take(&mut tally.splats) {
             // Rounding may lead to the right or lower edge.
             let place = |share: f32, size: u32| ((share * size as f32) as u32).min(size - 1);
             let (x, y) = (place(image_uv.x, width), place(image_uv.y, height));
             let pixel = &mut self.pixels[y as usize * width as usize + x as usize];
             let (radiance, bright) = tally.limit(radiance, limits);
-            let valid = pixel.add_light(radiance.to_array());
+            let valid = pixel.add_light((samples * radiance).to_array());
             tally.judge(valid, bright, limits);
         }
         tally

@@ -150,7 +150,8 @@ impl Film {
 
     /// Returns how many samples were rejected, and counted as black, because their radiance was
     /// NaN, negative, or 2³⁹ or more. What a path from a light adds to a pixel counts as a sample
-    /// here, and in [`Self::fireflies`] and [`Self::clamped`].
+    /// here, and in [`Self::fireflies`] and [`Self::clamped`]. There is one such path for eight
+    /// samples, so its radiance is that of eight samples, and it counts as one of them.
     #[must_use]
     pub fn rejected(&self) -> u64 {
         self.rejected
@@ -327,12 +328,12 @@ mod tests {
             // From each pixel to the next one, from the last of a row to the first.
             let image_uv = Vec2::new(((x + 1) % 4) as f32 + 0.5, y as f32 + 0.5) / vec2(4.0, 2.0);
             let radiance = Vec3::splat([1.0, 3.0, 8.0, f32::NAN][x as usize]);
-            splats.push(Splat { image_uv, radiance });
+            splats.push(Splat { image_uv, radiance, samples: 2.0 });
             FilmSample::from(Vec3::ONE)
         };
         film.take_samples(2, limits, &sample, &mut |_| ControlFlow::Continue(()));
         let row: Vec<f32> = film.image().pixels[4..].iter().map(|pixel| pixel[0]).collect();
-        assert_eq!(row, [1.0, 2.0, 4.0, 5.0]);
+        assert_eq!(row, [1.0, 3.0, 7.0, 9.0]);
         assert_eq!((film.rejected(), film.fireflies(), film.clamped()), (4, 8, 4));
         assert_eq!(film.samples(), 2);
     }

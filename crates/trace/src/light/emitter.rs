@@ -275,6 +275,14 @@ impl Emitter {
         Extent { bounds, power: self.power, normal }
     }
 
+    /// Returns the surface if it is a ball.
+    pub(super) fn as_ball(&self) -> Option<Ball> {
+        match &self.surface {
+            Surface::Ball(ball) => Some(*ball),
+            _ => None,
+        }
+    }
+
     /// Returns a ball around the surface.
     pub(super) fn ball(&self) -> Ball {
         match &self.surface {

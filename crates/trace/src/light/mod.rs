@@ -4,6 +4,8 @@ mod casters;
 mod emitter;
 mod environment;
 mod flat;
+mod lens;
+mod lenses;
 mod mosaic;
 mod rectangle;
 mod round;
@@ -16,6 +18,8 @@ pub(crate) use casters::{Casters, casts};
 use emitter::Emitter;
 use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
+pub(crate) use lens::{Beam, Crossing, End};
+use lenses::Lenses;
 use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
 use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem, Trees};
 pub use tree::Receiver;
@@ -84,6 +88,7 @@ pub struct Lights {
     environments: EnvironmentLights,
     brightest: f32,
     casters: Casters,
+    lenses: Lenses,
 }
 
 /// A direction sampled from the lights.
@@ -184,8 +189,10 @@ impl Lights {
             environments: EnvironmentLights::new(scene),
             brightest: brightest(scene),
             casters: Casters::default(),
+            lenses: Lenses::default(),
         };
         lights.casters = Casters::new(scene, &lights);
+        lights.lenses = Lenses::new(scene, &lights);
         lights
     }
 
@@ -247,6 +254,11 @@ impl Lights {
     /// Returns the surfaces that pass light on.
     pub(crate) fn casters(&self) -> &Casters {
         &self.casters
+    }
+
+    /// Returns the balls of smooth glass.
+    pub(crate) fn lenses(&self) -> &Lenses {
+        &self.lenses
     }
 
     /// Returns the probability that an environment is sampled rather than an emitter.

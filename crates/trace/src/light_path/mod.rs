@@ -304,7 +304,7 @@ impl<'a> LightPath<'a> {
         let [shown, lit] = [seen.direction, to_light].map(|d| vertex.slant(d));
         let ratio = RATE * self.ratio * lit / (seen.density * shown * pdf);
         let weight = weight_of_light_path(ratio, self.sampled);
-        let radiance = self.throughput * value * (weight * shown * seen.density / (lit * RATE));
+        let radiance = self.throughput * value * (weight * shown * seen.density / lit);
         // A radiance that is NaN goes on, so that the film counts it.
         if radiance.max_element() <= 0.0 {
             return;
@@ -317,7 +317,8 @@ impl<'a> LightPath<'a> {
         let Visible { share, rays, .. } = self.context.visibility(&departure, &target, &self.media);
         self.rays += rays;
         if share != Vec3::ZERO {
-            add(Splat { image_uv: seen.image_uv, radiance: share * radiance });
+            let radiance = share * radiance;
+            add(Splat { image_uv: seen.image_uv, radiance, samples: 1.0 / RATE });
         }
     }
 }

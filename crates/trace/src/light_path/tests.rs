@@ -86,6 +86,31 @@ fn lamp(scene: &mut Scene, radius: f32, radiance: f32) {
     scene.add(ball([0.6, 2.2, -0.5], radius), shine(radiance));
 }
 
+/// A sky with a sun.
+fn sun(scene: &mut Scene) {
+    let texel = |i: usize| {
+        if i == 16 * 4 + 5 { [40.0, 36.0, 30.0, 1.0] } else { [0.2, 0.2, 0.3, 1.0] }
+    };
+    scene.textures.push(Texture {
+        name: String::new(),
+        width: 16,
+        height: 8,
+        pixels: Pixels::Floats((0..128).map(texel).collect()),
+    });
+    scene.environments.push(Environment {
+        name: String::new(),
+        world_from_environment: Affine3A::from_quat(Quat::from_rotation_y(0.4)),
+        emission: Vec3::ONE,
+        emission_tex: Some(0),
+    });
+}
+
+/// A mirror on the far side of the floor, turned to the camera.
+fn mirror(scene: &mut Scene) {
+    let corners = [[-2.0, 0.0, -0.8], [2.0, 0.0, -0.8], [2.0, 2.0, -1.3], [-2.0, 2.0, -1.3]];
+    scene.add(quad(corners), material(MaterialKind::Reflective, [0.9; 3], 0.0));
+}
+
 /// Glass that is neither thick enough to be black nor thin enough to be clear.
 fn tinted(roughness: f32) -> Material {
     Material { trdepth: 0.5, ..material(MaterialKind::Refractive, [0.9, 0.6, 0.4], roughness) }
@@ -187,21 +212,27 @@ fn cases() -> Vec<Case> {
                     quad([[1.0, 0.0, 0.8], [1.2, 1.0, 0.8], [1.2, 1.0, -0.8], [1.0, 0.0, -0.8]]),
                     metal(),
                 );
-                let sun = |i: usize| {
-                    if i == 16 * 4 + 5 { [40.0, 36.0, 30.0, 1.0] } else { [0.2, 0.2, 0.3, 1.0] }
-                };
-                scene.textures.push(Texture {
-                    name: String::new(),
-                    width: 16,
-                    height: 8,
-                    pixels: Pixels::Floats((0..128).map(sun).collect()),
-                });
-                scene.environments.push(Environment {
-                    name: String::new(),
-                    world_from_environment: Affine3A::from_quat(Quat::from_rotation_y(0.4)),
-                    emission: Vec3::ONE,
-                    emission_tex: Some(0),
-                });
+                sun(scene);
+            }),
+        ),
+        (
+            "balls of glass before a mirror, behind a sheet that is half there",
+            with(&|scene| {
+                mirror(scene);
+                scene.add(ball([-0.5, 0.5, 0.0], 0.4), material(glass, [1.0; 3], 0.0));
+                scene.add(ball([0.5, 0.5, 0.0], 0.3), tinted(0.0));
+                let sheet = [[0.2, 1.2, 0.5], [1.0, 1.2, 0.5], [1.0, 1.2, -0.5], [0.2, 1.2, -0.5]];
+                scene.add(quad(sheet), Material { opacity: 0.5, ..metal() });
+                lamp(scene, 0.3, 20.0);
+            }),
+        ),
+        (
+            "balls of glass below a sun, seen through another and in a mirror",
+            with(&|scene| {
+                mirror(scene);
+                scene.add(ball([0.1, 1.3, 1.2], 0.35), material(glass, [1.0; 3], 0.0));
+                scene.add(ball([-0.2, 0.5, 0.0], 0.4), material(glass, [1.0; 3], 0.0));
+                sun(scene);
             }),
         ),
         (
@@ -245,6 +276,26 @@ fn light_paths_change_no_light() {
             assert!((a - b).abs() < most, "{why}, block {block}: {a}, not {b} within {error}");
         }
     }
+}
+
+/// Neither paths from the camera nor those from the lights find this light.
+#[test]
+fn light_through_a_ball_of_glass_is_found_in_a_mirror() {
+    let mut scene = floor();
+    // The camera looks into a mirror alone, at the place below the ball, where the mirror sends
+    // none of the light of the lamp.
+    let (eye, target) = (Vec3::new(0.0, 2.2, 0.6), Vec3::new(0.0, 0.4, -0.9));
+    scene.cameras = vec![Camera { lens: 0.15, ..Camera::look_at(eye, target, Vec3::Y) }];
+    let mirror = [[-0.5, 0.2, -0.85], [0.5, 0.2, -0.85], [0.5, 0.6, -0.95], [-0.5, 0.6, -0.95]];
+    scene.add(quad(mirror), material(MaterialKind::Reflective, [0.9; 3], 0.0));
+    scene.add(ball([0.1, 0.5, 0.0], 0.25), material(MaterialKind::Refractive, [1.0; 3], 0.0));
+    lamp(&mut scene, 0.05, 700.0);
+    let error = |light_paths| {
+        let blocks = estimate(&scene, 64, light_paths);
+        blocks.map(|(mean, error)| error / mean).into_iter().fold(0.0, f64::max)
+    };
+    let (without, with) = (error(false), error(true));
+    assert!(with < 0.5 * without, "relative errors of {without} without, {with} with lenses");
 }
 
 /// A lamp so small that paths from the camera rarely find it through glass.

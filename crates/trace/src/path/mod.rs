@@ -7,8 +7,10 @@
 //! sampled it. Inside of a solid that scatters, no light can be sampled through the refracting
 //! wall; there a path is split, and all parts continue. Smooth glass before the first rough surface
 //! both reflects and transmits, so a path branches there. Light that casters send to a rough
-//! surface is found by paths from the lights too ([`crate::light_path`]); the weights tell.
+//! surface is found by paths from the lights too ([`crate::light_path`]); the weights tell. Where
+//! those cannot be connected to the camera, lights are sampled through balls of glass.
 
+mod lens;
 mod reverse;
 mod scatter;
 
@@ -18,6 +20,7 @@ use crate::mis::weight_of_bsdf;
 use crate::opacity::{SHEET_SETS, SHEETS};
 use crate::{Receiver, Sampler, power_heuristic};
 use glam::Vec3;
+use lens::Passage;
 use reverse::Reverse;
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, SceneHit};
@@ -34,10 +37,10 @@ const SETS_PER_SEGMENT: u32 = 3;
 /// Four parts share the cost of the segments before the split.
 const PARTS: u32 = 4;
 
-/// Largest number of branches of a path on average. Smooth dielectrics between the camera and the
-/// first rough surface both reflect and transmit; a branch with less than one over this number of
-/// the light is followed by chance, as if it had so much. A bright lamp that glass reflects once is
-/// most of the noise of a picture of glass otherwise.
+/// Largest number of branches of a path. Smooth dielectrics between the camera and the first rough
+/// surface both reflect and transmit; a branch with less than one over this number of the light is
+/// followed by chance, as if it had so much. A bright lamp that glass reflects once is most of the
+/// noise of a picture of glass otherwise.
 const BRANCHES: f32 = 8.0;
 
 /// The vertex at which the last direction was sampled, unless it was a delta direction.
@@ -69,6 +72,8 @@ struct Path<'a> {
     part: bool,
     /// What light paths that would find this path need to be weighted, unless none would.
     reverse: Option<Reverse>,
+    /// What light samples through a lens that would find this path need to be weighted.
+    passage: Option<Passage>,
     /// Where the path started.
     lens: Vec3,
     /// Nothing has changed the direction since the camera.
@@ -104,6 +109,7 @@ impl Context<'_> {
             sheets: 0,
             part: false,
             reverse: None,
+            passage: None,
             lens: ray.origin,
             straight: true,
             smooth: true,
@@ -171,6 +177,7 @@ impl Path<'_> {
                 return Next::End;
             }
             if chance >= material.opacity {
+                self.passage = self.passage.filter(Passage::is_complete);
                 self.pass(hit);
                 return Next::Segment;
             }
@@ -182,7 +189,7 @@ impl Path<'_> {
         }
         if material.kind == MaterialKind::Volumetric {
             // `origin` stays: light samples pass the borders of clouds as well.
-            self.reverse = None;
+            (self.reverse, self.passage) = (None, None);
             self.media.cross(hit, self.ray.direction, Medium::new(&material));
             self.pass(hit);
             self.segment += 1;
@@ -215,7 +222,9 @@ impl Path<'_> {
         }
         let receiver = self.origin.as_ref().map(|origin| &origin.receiver);
         let (radiance, other) = lights.environment(scene, receiver, self.ray.direction);
-        let weight = self.weight(other, || self.found_from_sky(self.ray.direction));
+        let through = self.weight_through(None);
+        let weight = through
+            .unwrap_or_else(|| self.weight(other, || self.found_from_sky(self.ray.direction)));
         self.arrived.radiance += weight * self.throughput * radiance;
         self.arrived.covered |= !scene.environments.is_empty();
     }
@@ -225,7 +234,8 @@ impl Path<'_> {
             let lights = self.context.lights;
             let of_sample = |origin: &Origin| lights.pdf(&origin.receiver, hit);
             let other = self.origin.as_ref().map_or(0.0, of_sample);
-            let weight = self.weight(other, || self.found_from(hit));
+            let through = self.weight_through(Some(hit));
+            let weight = through.unwrap_or_else(|| self.weight(other, || self.found_from(hit)));
             self.arrived.radiance += weight * self.throughput * emission;
         }
     }

@@ -72,7 +72,7 @@ impl Path<'_> {
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = lit.then_some(Origin { receiver, pdf });
-        self.reverse = None;
+        (self.reverse, self.passage) = (None, None);
         self.smooth = false;
         self.continue_along(Ray::new(position, incoming), None, roulette)
     }
@@ -90,6 +90,7 @@ impl Path<'_> {
                 let allowed = vertex.allows(normal, outgoing, incoming);
                 (if allowed { value.value } else { Vec3::ZERO }, value.pdf)
             });
+            self.gather_through_lens(&receiver, &vertex, &bsdf);
         }
         let [x, y, choice, roulette] = self.numbers(1);
         let wall = Wall { hit, outgoing, medium, normal };
@@ -101,14 +102,17 @@ impl Path<'_> {
         let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
         self.smooth &= scattered.pdf.is_none();
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
+        self.passage = self.passed(&receiver, &vertex, &scattered);
         self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
         self.leave(&wall, scattered.incoming, scattered.weight, roulette)
     }
 
     /// Follows both directions in which a smooth dielectric sends light, or one of them by chance.
     ///
-    /// Both are followed with probabilities so large that what is followed has at least one over
-    /// [`BRANCHES`] of the light; one number decides on both, so that one of them always is.
+    /// A direction with less than one over [`BRANCHES`] of the light is followed by chance, with so
+    /// much of it. The other one has the rest, or all if it is alone: the light of all branches
+    /// together always counts as that of one path, and a pixel as bright as a lamp has no sample
+    /// that is brighter.
     fn branch(
         &mut self,
         wall: &Wall<'_>,
@@ -117,20 +121,29 @@ impl Path<'_> {
         choice: f32,
         roulette: f32,
     ) -> Next {
-        let chance = |share: f32| (BRANCHES * self.share * share).min(1.0);
-        let (reflects, transmits) = (chance(f), chance(1.0 - f));
-        self.origin = None;
-        let take = |path: &mut Self, taken: &BsdfSample, share: f32, chance: f32| {
-            path.share *= share / chance;
-            path.leave(wall, taken.incoming, taken.weight / chance, roulette)
+        let least = 1.0 / (BRANCHES * self.share);
+        let (rarer, mostly) = (f.min(1.0 - f), if f > 0.5 { 1.0 } else { 0.0 });
+        let reflected = if rarer >= least {
+            f
+        } else if least > 0.5 {
+            if choice < f { 1.0 } else { 0.0 }
+        } else if choice * least < rarer {
+            (mostly - least).abs()
+        } else {
+            mostly
         };
-        if choice < 1.0 - transmits && reflects > 0.0 {
-            return take(self, mirrored, f, reflects);
+        self.origin = None;
+        let take = |path: &mut Self, taken: &BsdfSample, share: f32| {
+            path.share *= share;
+            path.leave(wall, taken.incoming, share * taken.weight, roulette)
+        };
+        if reflected == 1.0 {
+            return take(self, mirrored, reflected);
         }
-        if choice < reflects {
+        if reflected > 0.0 {
             let sampler = self.sampler.branch(self.segment);
             let mut other = Path { sampler, arrived: Arrived::default(), ..self.clone() };
-            let arrived = match take(&mut other, mirrored, f, reflects) {
+            let arrived = match take(&mut other, mirrored, reflected) {
                 Next::Segment => other.follow(),
                 Next::Parts => other.divide(),
                 Next::End => Arrived::default(),
@@ -138,7 +151,7 @@ impl Path<'_> {
             self.arrived.radiance += arrived.radiance;
             self.arrived.rays += arrived.rays;
         }
-        take(self, through, 1.0 - f, transmits)
+        take(self, through, 1.0 - reflected)
     }
 
     /// Leaves a surface in a sampled direction.
