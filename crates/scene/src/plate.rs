@@ -58,8 +58,9 @@ impl Plate {
         let thin = THIN * edge.length();
         for height in from_first().map(|p| normal.dot(p)) {
             (low, high) = (low.min(height), high.max(height));
-            // Written so that a NaN fails.
-            if !(high - low <= thin) {
+            // False for a NaN.
+            let is_thin = high - low <= thin;
+            if !is_thin {
                 return None;
             }
         }
@@ -190,7 +191,7 @@ mod tests {
         assert!(Plate::around_points(&tent).is_none(), "a tetrahedron");
         assert!(Plate::around_points(&[]).is_none(), "no points");
         assert!(Plate::around_points(&[Vec3::ONE; 4]).is_none(), "one point");
-        let line = [0.0, 1.0, 2.0].map(|x| Vec3::splat(x));
+        let line = [0.0, 1.0, 2.0].map(Vec3::splat);
         assert!(Plate::around_points(&line).is_none(), "a line");
         let broken = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NAN];
         assert!(Plate::around_points(&broken).is_none(), "a corner that is not a number");
