@@ -160,8 +160,8 @@ fn drag(page: &Page, time: Duration) -> Result<()> {
     page.mouse("mouseReleased", [x, y], "left")
 }
 
-/// Prints the memory of the viewer during a drag: first without a rest, then with pauses; fails if it
-/// grows.
+/// Prints the memory of the viewer during a drag: first without a rest, then with pauses; fails if
+/// it grows.
 pub(crate) fn memory(program: &Path, chromium: &Chromium, time: Duration) -> Result<()> {
     let viewer = Viewer::start(program, "shapes4")?;
     let page = chromium.open(&viewer.url)?;

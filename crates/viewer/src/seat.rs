@@ -52,8 +52,8 @@ pub(crate) struct Seat {
     publisher: Arc<Publisher>,
     /// `None` until there is a scene, or a camera that a client brings.
     rig: Option<Rig>,
-    /// The camera of the scene that is shown, as it was made for a picture of another aspect; `None`
-    /// once a client has changed it.
+    /// The camera of the scene that is shown, as it was made for a picture of another aspect;
+    /// `None` once a client has changed it.
     scene_camera: Option<Camera>,
     settings: Settings,
     asked: (u32, u32),
