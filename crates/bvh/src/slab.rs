@@ -7,21 +7,22 @@
 //! never loses a hit. With `u = 2^-24`:
 //!
 //! - `a` is `1 / d` with one rounding. An end has three more, of the product and the sum that make
-//!   it and of its own value, so that it is off by less than `4 u` of itself. The farthest end is
-//!   therefore moved by `16 u` of itself before ends are compared.
-//! - `b` is `-o a`, minus `4 u |o a|` for a near plane and plus that for a far one. The roundings
-//!   of the product and of the sum use up `2.1 u |o a|` of it and those of an unfused `p a` one
-//!   more.
+//!   it and of its own value, so that it is off by less than `4 u` of itself. Far ends are therefore
+//!   moved by `16 u` of themselves: their `a` and `b` have the factor `1 + 16 u`, which costs
+//!   another rounding. As part of the slopes it delays no comparison.
+//! - `b` is `-o a`, minus `6 u |o a|` for a near plane and plus that for a far one. The roundings
+//!   of the product and of the sum use up `2.1 u |o a|` of it, those of an unfused `p a` one more,
+//!   and those of the factor of far planes two more.
 //! - So for ends at `t >= 0` the computed near end is not after the true far end, and the far end
 //!   not before the near one, with a margin of `2 u t` for the `t` of a hit that was rounded to the
 //!   start of the interval. A near end may be late by `4 u t`, which the slack of limits covers.
-//! - For ends at `t < 0` the factor `1 + 16 u` moves them the wrong way, by less than `21 u |t|`
+//! - For ends at `t < 0` the factor `1 + 16 u` moves them the wrong way, by less than `22 u |t|`
 //!   with their roundings. That matters only if the interval starts at `s < 0`, and then `b` is
 //!   moved by another `24 u |s|`. (If it does not, a near end behind the origin counts as zero, and
 //!   a far end behind it is a miss.)
 //!
-//! In space, a box grows by `4 u |o|`, two units in the last place of the origin, and `16 u` of the
-//! distance. Slopes and offsets are finite, so ends are not NaN; [`with_parallel_axes`] handles
+//! In space, a box grows by `6 u |o|`, three units in the last place of the origin, and `16 u` of
+//! the distance. Slopes and offsets are finite, so ends are not NaN; [`with_parallel_axes`] handles
 //! axes for which `1 / d` or `o / d` is not finite. Where `p a` overflows, a `t` beyond all numbers
 //! becomes infinite, with the right sign.
 //!
@@ -159,8 +160,9 @@ impl SlabRay {
     /// Broadcasts the slopes and offsets of all planes.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
+        let far_slope = self.slope * OUTWARDS;
         SlabLanes {
-            axes: [Axis::new(simd, self, 0), Axis::new(simd, self, 1), Axis::new(simd, self, 2)],
+            axes: [0, 1, 2].map(|axis| Axis::new(simd, self, far_slope, axis)),
             start: simd.splat(self.start),
         }
     }
@@ -187,6 +189,9 @@ impl Scaling {
     }
 }
 
+/// The factor that moves far ends outwards.
+const OUTWARDS: f32 = 1.0 + 16.0 * U;
+
 /// The mask of the three axes.
 const AXES: u32 = 0b111;
 
@@ -200,8 +205,8 @@ fn margin(start: f32) -> f32 {
 #[inline(always)]
 fn offsets(origin: Vec4, inverse: Vec4, margin: Vec4) -> [Vec4; 2] {
     let from = origin * inverse;
-    let error = from.abs() * (4.0 * U) + margin;
-    [-(from + error), error - from]
+    let error = from.abs() * (6.0 * U) + margin;
+    [-(from + error), (error - from) * OUTWARDS]
 }
 
 /// Bound on `|o / d|` on each axis, so that the sum of a few such numbers is finite.
@@ -255,6 +260,7 @@ pub(crate) struct SlabLanes<S: Simd> {
 #[derive(Clone, Copy)]
 struct Axis<S: Simd> {
     slope: S::Lanes,
+    far_slope: S::Lanes,
     near: S::Lanes,
     far: S::Lanes,
     /// 1 if the direction is negative, so that the upper plane is the near one, else 0.
@@ -263,9 +269,10 @@ struct Axis<S: Simd> {
 
 impl<S: Simd> Axis<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &SlabRay, axis: usize) -> Self {
+    fn new(simd: S, ray: &SlabRay, far_slope: Vec4, axis: usize) -> Self {
         Self {
             slope: simd.splat(ray.slope[axis]),
+            far_slope: simd.splat(far_slope[axis]),
             near: simd.splat(ray.near[axis]),
             far: simd.splat(ray.far[axis]),
             negative: usize::from(ray.slope[axis].is_sign_negative()),
@@ -277,7 +284,7 @@ impl<S: Simd> Axis<S> {
     fn ends(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> (S::Lanes, S::Lanes) {
         let near = simd.load(&planes[self.negative & 1]);
         let far = simd.load(&planes[self.negative & 1 ^ 1]);
-        (simd.mul_add(near, self.slope, self.near), simd.mul_add(far, self.slope, self.far))
+        (simd.mul_add(near, self.slope, self.near), simd.mul_add(far, self.far_slope, self.far))
     }
 }
 
@@ -286,13 +293,15 @@ impl<S: Simd> SlabLanes<S> {
     /// those it meets before `limit`.
     #[inline(always)]
     pub(crate) fn test(&self, simd: S, node: &Node, limit: S::Lanes) -> (S::Lanes, u32) {
+        // Their cache line is read once the mask is known, and is fetched along with the planes.
+        simd.prefetch(&node.children);
         let [x, y, z] = &self.axes;
         let (near_x, far_x) = x.ends(simd, &node.planes[0]);
         let (near_y, far_y) = y.ends(simd, &node.planes[1]);
         let (near_z, far_z) = z.ends(simd, &node.planes[2]);
+        // In pairs: the latency from one node to its child is most of the time of a traversal.
         let near = simd.max(simd.max(near_x, near_y), simd.max(near_z, self.start));
-        let far = simd.min(simd.min(far_x, far_y), far_z);
-        let far = simd.min(simd.mul(far, simd.splat(1.0 + 16.0 * U)), limit);
+        let far = simd.min(simd.min(far_x, far_y), simd.min(far_z, limit));
         (near, simd.mask_le(near, far))
     }
 }

@@ -61,6 +61,8 @@ pub(crate) fn closest<S: Simd>(
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
+            // Earlier than the loads of the test, whose addresses wait for the set-up of its call.
+            visitor.prefetch(simd, current.index());
             let new_limit = visitor.leaf(simd, current.index(), limit);
             if new_limit != limit {
                 limit = new_limit;
@@ -182,6 +184,8 @@ pub(crate) fn any<S: Simd>(
     let mut current = tree.root;
     loop {
         if current.is_leaf() {
+            // As in `closest`.
+            visitor.prefetch(simd, current.index());
             if visitor.leaf(simd, current.index()) {
                 return true;
             }

@@ -102,8 +102,8 @@ impl<S: Simd> FlatLanes<S> {
     /// Loads a corner from its three rows and transforms it to ray space.
     #[inline(always)]
     pub(crate) fn corner(&self, simd: S, rows: &[[f32; WIDTH]; 3]) -> Corner<S> {
-        let [x, y, z] = self.axes;
-        let permuted = vec3::load(simd, [&rows[x % 3], &rows[y % 3], &rows[z % 3]]);
+        let [x, y, z] = self.axes.map(|axis| &rows[axis.min(2)]);
+        let permuted = vec3::load(simd, [x, y, z]);
         // Mirrored, because a subtraction can take its second argument from memory.
         let [x, y, z] = sub(simd, self.origin, permuted);
         Corner {
