@@ -78,24 +78,23 @@ impl Kernel for BilinearPatch {
         let (a01, a12) = (signed_area(simd, c0, c1), signed_area(simd, c1, c2));
         let (a23, a30) = (signed_area(simd, c2, c3), signed_area(simd, c3, c0));
         let (a02, a13) = (signed_area(simd, c0, c2), signed_area(simd, c1, c3));
-        let zero = simd.splat(0.0);
         // The areas of the reversed edges have the same bits but for the sign.
-        let (a20, a31) = (simd.sub(zero, a02), simd.sub(zero, a13));
+        let minus = simd.splat(-0.0);
+        let (a20, a31) = (simd.times_sign_of(a02, minus), simd.times_sign_of(a13, minus));
         // The triangles of the vanilla quad, and the other two faces of the tetrahedron.
         let (first, second) = ([a13, a30, a01], [a31, a12, a23]);
-        let other_faces = [[a12, a20, a01], [a02, a23, a30]];
+        let (third, fourth) = ([a12, a20, a01], [a02, a23, a30]);
         let mut positive = simd.max(min3(simd, first), min3(simd, second));
         let mut negative = simd.min(max3(simd, first), max3(simd, second));
         if matches!(M::METHOD, Method::Enhanced) {
-            for face in other_faces {
-                positive = simd.max(positive, min3(simd, face));
-                negative = simd.min(negative, max3(simd, face));
-            }
+            let least = simd.max(min3(simd, third), min3(simd, fourth));
+            let most = simd.min(max3(simd, third), max3(simd, fourth));
+            (positive, negative) = (simd.max(positive, least), simd.min(negative, most));
         }
         let size = simd.load(&block.0.rows[12]);
         let error = ray.area_error(simd, size, c0.z);
-        let mut kept =
-            simd.mask_not_gt(simd.sub(zero, error), positive) | simd.mask_not_gt(negative, error);
+        let mut kept = simd.mask_not_gt(simd.sub(simd.splat(0.0), error), positive)
+            | simd.mask_not_gt(negative, error);
         if kept == 0 {
             return Candidates::none(simd);
         }

@@ -89,8 +89,8 @@ impl StackEntry {
     #[inline(always)]
     pub(crate) fn new(near: f32, child: Child) -> Self {
         // Also removes the sign of a negative zero.
-        let near = if near > 0.0 { near } else { 0.0 };
-        Self(u64::from(near.to_bits()) << 32 | u64::from(child.0))
+        let near = (near.to_bits() as i32).max(0) as u32;
+        Self(u64::from(near) << 32 | u64::from(child.0))
     }
 
     #[inline(always)]

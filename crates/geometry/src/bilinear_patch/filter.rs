@@ -30,7 +30,7 @@ pub(super) fn filter(patch: &BilinearPatch, ray: &Ray) -> Filtered<Root<f32>> {
         };
     }
     let k = (image.c + image.e) - image.a;
-    let discriminants = k * k - F64x2::splat(4.0) * ends;
+    let discriminants = k * k - (F64x2::splat(4.0) * image.c) * image.e;
     // Of a parabola with values of opposite sign at its ends: the first, if it is one. Selected
     // without a branch, which would be unpredictable.
     let first = passes.first_in_both();

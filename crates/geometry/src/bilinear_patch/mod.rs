@@ -135,7 +135,7 @@ impl BilinearPatch {
         let n = du.cross(dv);
         let square = n.dot(n);
         if square > 0.0 {
-            (point, n * square.sqrt().recip())
+            (point, n / square.sqrt())
         } else {
             (point, self.normal_of_collapsed(u, v))
         }
