@@ -162,7 +162,11 @@ impl SlabRay {
     pub(crate) fn lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
         let far_slope = self.slope * OUTWARDS;
         SlabLanes {
-            axes: [0, 1, 2].map(|axis| Axis::new(simd, self, far_slope, axis)),
+            axes: [
+                Axis::new(simd, self, far_slope, 0),
+                Axis::new(simd, self, far_slope, 1),
+                Axis::new(simd, self, far_slope, 2),
+            ],
             start: simd.splat(self.start),
         }
     }

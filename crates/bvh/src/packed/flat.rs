@@ -102,8 +102,8 @@ impl<S: Simd> FlatLanes<S> {
     /// Loads a corner from its three rows and transforms it to ray space.
     #[inline(always)]
     pub(crate) fn corner(&self, simd: S, rows: &[[f32; WIDTH]; 3]) -> Corner<S> {
-        let [x, y, z] = self.axes.map(|axis| &rows[axis.min(2)]);
-        let permuted = vec3::load(simd, [x, y, z]);
+        let [x, y, z] = self.axes;
+        let permuted = vec3::load(simd, [&rows[x.min(2)], &rows[y.min(2)], &rows[z.min(2)]]);
         // Mirrored, because a subtraction can take its second argument from memory.
         let [x, y, z] = sub(simd, self.origin, permuted);
         Corner {
@@ -200,16 +200,20 @@ pub(crate) fn volume<S: Simd>(
 /// The smallest and the largest `z` of corners.
 #[inline(always)]
 pub(crate) fn z_range<S: Simd>(simd: S, corners: &[Corner<S>]) -> [S::Lanes; 2] {
-    let of = |corners: &[Corner<S>]| {
-        let first = [corners[0].z; 2];
-        corners[1..].iter().fold(first, |[smallest, largest], corner| {
-            [simd.min(corner.z, smallest), simd.max(corner.z, largest)]
-        })
-    };
     // Two halves at once, for a shorter chain of dependent instructions.
     let (one, other) = corners.split_at(corners.len() / 2);
-    let ([a, b], [c, d]) = (of(one), of(other));
+    let ([a, b], [c, d]) = (z_ends(simd, one), z_ends(simd, other));
     [simd.min(a, c), simd.max(b, d)]
+}
+
+#[inline(always)]
+fn z_ends<S: Simd>(simd: S, corners: &[Corner<S>]) -> [S::Lanes; 2] {
+    let (mut smallest, mut largest) = (corners[0].z, corners[0].z);
+    for corner in &corners[1..] {
+        smallest = simd.min(corner.z, smallest);
+        largest = simd.max(corner.z, largest);
+    }
+    [smallest, largest]
 }
 
 /// Narrows the range of `z` in which the line may cross a triangle by its areas and volume, as

@@ -21,6 +21,7 @@ pub trait WithSimd {
 
     /// Implementations are `#[inline(always)]`, and so are all functions that they call with
     /// `simd`: only code that is inlined into [`Simd::run`] is compiled for the instruction set.
+    /// Adapters that take closures, as `map` of an array, are not always inlined.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
