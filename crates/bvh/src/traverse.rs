@@ -84,9 +84,17 @@ pub(crate) fn closest<S: Simd>(
                     let near = simd.to_array(near);
                     let a = StackEntry::new(near[first], node.children[first]);
                     let b = StackEntry::new(near[second], node.children[second]);
-                    stack.push(a.max(b));
-                    prefetch(simd, tree, visitor, a.max(b).child());
-                    current = a.min(b).child();
+                    // Two branches and no selection: where the processor predicts the nearer child,
+                    // it loads it before the distances are known.
+                    if a < b {
+                        stack.push(b);
+                        prefetch(simd, tree, visitor, b.child());
+                        current = a.child();
+                    } else {
+                        stack.push(a);
+                        prefetch(simd, tree, visitor, a.child());
+                        current = b.child();
+                    }
                     continue;
                 }
                 let count = mask.count_ones() as usize;
