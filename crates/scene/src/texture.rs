@@ -67,7 +67,8 @@ fn shared_exponent(pixel @ [r, g, b, _]: [f32; 4]) -> Option<[u8; 4]> {
     let exponent = if largest == 0.0 { 0 } else { (largest.to_bits() >> 23) + 2 };
     // Negative numbers do not fit, nor do those that the decoder would scale to infinity.
     let exponent = u8::try_from(exponent).ok().filter(|&e| e < u8::MAX)?;
-    let steps = (136.0 - f64::from(exponent)).exp2();
+    // 2^(136 - e), by the bits of its exponent.
+    let steps = f64::from_bits((1023 + 136 - u64::from(exponent)) << 52);
     let [r, g, b] = [r, g, b].map(|channel| (f64::from(channel) * steps) as u8);
     let packed = [r, g, b, exponent];
     let same = unpacked(packed).to_array().map(f32::to_bits) == pixel.map(f32::to_bits);
@@ -164,6 +165,23 @@ impl Texture {
         }
     }
 
+    /// Returns the largest red, green and blue of all pixels, as linear colours.
+    #[must_use]
+    pub fn brightest(&self) -> Vec3 {
+        let linear = linear_from_srgb_table();
+        let bytes = |pixel: [u8; 4]| linear_color(linear, pixel);
+        let most = |sum: Vec3, color: Vec4| sum.max(color.truncate());
+        match &self.pixels {
+            Pixels::Bytes(pixels) => pixels.iter().map(|&p| bytes(p)).fold(Vec3::ZERO, most),
+            Pixels::Words(pixels) => pixels.iter().map(|&p| linear_words(p)).fold(Vec3::ZERO, most),
+            Pixels::Floats(pixels) => {
+                pixels.iter().map(|&p| Vec4::from_array(p)).fold(Vec3::ZERO, most)
+            }
+            Pixels::TiledBytes(tiles) => tiles.pixels().map(bytes).fold(Vec3::ZERO, most),
+            Pixels::SharedExponent(tiles) => tiles.pixels().map(unpacked).fold(Vec3::ZERO, most),
+        }
+    }
+
     /// Returns true if the alpha of every pixel is at least 1.
     #[must_use]
     pub fn is_opaque(&self) -> bool {
@@ -218,12 +236,15 @@ fn linear_color(linear: &[f32; 256], [r, g, b, a]: [u8; 4]) -> Vec4 {
 /// Returns the two pixels around a coordinate, and the weight of the second.
 #[inline]
 fn neighbours(coordinate: f32, size: u32) -> (usize, usize, f32) {
-    let place = (coordinate - coordinate.floor()) * size as f32;
-    // The cast turns a NaN into 0, and a fraction that rounds up to 1 stays in the last pixel.
+    // The coordinate minus its floor, which is a library call without SSE 4.1. The cast rounds
+    // towards zero and saturates: a coordinate beyond its range, or a NaN, is outside of 0 to 1.
+    let rest = coordinate - coordinate as i32 as f32;
+    let rest = if rest < 0.0 { rest + 1.0 } else { rest };
+    let place = if (0.0..=1.0).contains(&rest) { rest * size as f32 } else { 0.0 };
+    // A fraction that rounds up to 1 stays in the last pixel.
     let first = (place as u32).min(size - 1);
-    let fraction = place - first as f32;
     let second = if first + 1 < size { first + 1 } else { 0 };
-    (first as usize, second as usize, if fraction.is_finite() { fraction } else { 0.0 })
+    (first as usize, second as usize, place - first as f32)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ impl Weights {
     /// so a point of a rounded cone has the value of the inscribed ball that touches the surface
     /// there. Patches interpolate bilinearly, and the two triangles of a vanilla quad linearly
     /// each.
+    #[inline]
     pub(super) fn new(shape: &Shape, element: u32, uv: Vec2) -> Self {
         let (u, v) = (uv.x, uv.y);
         match &shape.elements {
@@ -46,6 +47,7 @@ impl Weights {
     }
 
     /// Returns the weighted sum over a vertex array; `None` if the array is empty.
+    #[inline]
     pub(super) fn of<T>(&self, array: &[T]) -> Option<T>
     where
         T: Copy + Add<Output = T> + Mul<f32, Output = T>,
@@ -53,8 +55,9 @@ impl Weights {
         if array.is_empty() {
             return None;
         }
-        let [a, b, c, d] = self.vertices.map(|vertex| array[vertex as usize]);
-        let [wa, wb, wc, wd] = self.weights;
-        Some(a * wa + b * wb + c * wc + d * wd)
+        // `map` of an array is an outlined call, whose result is read while it is still on its way
+        // to memory.
+        let at = |place: usize| array[self.vertices[place] as usize] * self.weights[place];
+        Some(at(0) + at(1) + at(2) + at(3))
     }
 }

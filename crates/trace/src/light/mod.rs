@@ -379,11 +379,7 @@ impl Lights {
 /// Returns the largest channel of all lights of a scene, all environments together.
 fn brightest(scene: &Scene) -> f32 {
     let of_texture = |index: Option<u32>| {
-        let Some(index) = index else { return Vec3::ONE };
-        let texture = &scene.textures[index as usize];
-        let places = (0..texture.height).flat_map(|y| (0..texture.width).map(move |x| (x, y)));
-        let colors = places.map(|(x, y)| texture.color_at(x, y).truncate());
-        colors.fold(Vec3::ZERO, Vec3::max)
+        index.map_or(Vec3::ONE, |index| scene.textures[index as usize].brightest())
     };
     let sky: Vec3 =
         scene.environments.iter().map(|sky| sky.emission * of_texture(sky.emission_tex)).sum();

@@ -38,6 +38,9 @@ impl Passage {
 /// Share of the light from which on a branch samples a light at each vertex. Branches with less of
 /// it are nearly as many as the others, and matter less.
 const FULL: f32 = 0.5;
+/// Density of a light sample per steradian from which on all are used. Lights that are larger or
+/// unlikely, which the BSDF finds as well, are sampled through lenses less often, in proportion.
+const NARROW: f32 = 4.0;
 /// Number of segments from a rough surface through a lens to a light.
 const SEGMENTS: u32 = 3;
 
@@ -84,6 +87,13 @@ impl Path<'_> {
             Some(source) => End::Point(source.position),
             None => End::Sky(light.incoming),
         };
+        let narrow = narrowness(light.pdf);
+        // The last number of this set is free.
+        let [.., chance] = self.numbers(0);
+        if chance >= narrow {
+            return;
+        }
+        let effort = effort * narrow;
         let sampled = light.source.as_ref();
         for crossing in lenses.get(chosen.number).crossings(receiver.position, end) {
             let BsdfValue { value, pdf } = bsdf.eval(crossing.direction);
@@ -179,10 +189,16 @@ impl Path<'_> {
             normal,
             error,
         });
+        let effort = self.effort() * narrowness(sampled);
         let density = lenses.density(&chosen, sampled, at.as_ref().map(|at| (at, incoming)));
-        let found = if density > 0.0 { self.effort() * density / beam.spread } else { 0.0 };
+        let found = if density > 0.0 { effort * density / beam.spread } else { 0.0 };
         Some(power_heuristic(beam.transmitted * pdf, found))
     }
+}
+
+/// Returns the probability that a light sample of a density per solid angle is used.
+fn narrowness(pdf: f32) -> f32 {
+    (pdf / NARROW).min(1.0)
 }
 
 /// The point where a path leaves a lens.
