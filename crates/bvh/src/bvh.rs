@@ -3,10 +3,10 @@
 use crate::build::build;
 use crate::found::{Found, PrimitiveHit};
 use crate::isa::Isa;
-use crate::node::{Child, Tree};
+use crate::node::{Child, Node, Tree, WIDTH};
 use crate::prim_ref::finite_part;
 use crate::refit::RefitError;
-use crate::simd::{Simd, WithSimd};
+use crate::simd::{Simd, StackEntry, WithSimd};
 use crate::slab::{Scaling, SlabRay};
 use crate::traverse;
 use rotund_geometry::{Aabb, Primitive, Ray};
@@ -214,17 +214,47 @@ impl Bvh {
         ray: &Ray,
         mut test: impl FnMut(u32, &Ray) -> Option<(f32, T)>,
     ) -> Option<Found<T>> {
-        let mut visitor = ClosestVisitor {
-            scaling: Scaling::USUAL,
-            // A `t` that is not finite is a miss, also where the interval is infinite.
-            first: ray.t_min.max(f32::MIN),
-            last: ray.t_max.min(f32::MAX),
-            shrinking: *ray,
-            best: None,
-            test: &mut test,
-        };
-        self.isa.run(TraverseClosest { tree: &self.tree, visitor: &mut visitor });
-        visitor.best
+        // A `t` that is not finite is a miss, also where the interval is infinite.
+        let (first, last) = (ray.t_min.max(f32::MIN), ray.t_max.min(f32::MAX));
+        let mut shrinking = *ray;
+        let mut best: Option<Found<T>> = None;
+        self.visit(ray, |id| {
+            if let Some((t, value)) = test(id, &shrinking) {
+                let wins = match &best {
+                    None => t >= first && t <= last,
+                    // A tie goes to the lower id, so that the answer does not depend on the order
+                    // of traversal.
+                    Some(best) => t >= first && (t < best.t || (t == best.t && id < best.id)),
+                };
+                if wins {
+                    best = Some(Found { id, t, value });
+                    shrinking.t_max = t;
+                }
+            }
+            shrinking.t_max
+        });
+        best
+    }
+
+    /// Calls `visit` with the ids of primitives whose boxes the ray meets, each at most once,
+    /// roughly from near to far. `visit` returns the end of the interval from then on: the `t` of
+    /// the closest hit so far, or `ray.t_max` if there is none. [`Bvh::closest`] is built on this.
+    ///
+    /// A ray that hits nothing there visits nothing here.
+    #[inline]
+    pub fn visit(&self, ray: &Ray, mut visit: impl FnMut(u32) -> f32) {
+        if let [node] = self.tree.nodes.as_slice() {
+            // Up to eight boxes need no stack, and `visit` no registers of the traversal.
+            let range = self.tree.range;
+            let mut met = self.isa.run(Meet { node, range, ray });
+            let Some(met) = &mut met else { return };
+            while let Some(id) = met.next() {
+                met.limit = met.scaling.limit(visit(id));
+            }
+            return;
+        }
+        let visitor = ClosestVisitor { scaling: Scaling::USUAL, visit: &mut visit };
+        self.isa.run(TraverseClosest { tree: &self.tree, ray, visitor });
     }
 
     /// Returns whether `test` returns true for any primitive whose box the ray meets.
@@ -238,6 +268,17 @@ impl Bvh {
     /// empty or has a NaN, hits nothing: the result is false, and `test` is not called.
     #[inline]
     pub fn any(&self, ray: &Ray, mut test: impl FnMut(u32, &Ray) -> bool) -> bool {
+        if let [node] = self.tree.nodes.as_slice() {
+            let mut mask = self.isa.run(MeetAny { node, range: self.tree.range, ray });
+            while mask != 0 {
+                let child = node.children[mask.trailing_zeros() as usize % WIDTH];
+                mask &= mask - 1;
+                if test(child.index() as u32, ray) {
+                    return true;
+                }
+            }
+            return false;
+        }
         let visitor = AnyVisitor { ray, test: &mut test };
         self.isa.run(TraverseAny { tree: &self.tree, visitor })
     }
@@ -255,57 +296,94 @@ impl Bvh {
     }
 }
 
-struct ClosestVisitor<'a, T, F> {
+struct ClosestVisitor<'a, F> {
     scaling: Scaling,
-    /// The interval of the ray, clamped to finite numbers.
-    first: f32,
-    last: f32,
-    shrinking: Ray,
-    best: Option<Found<T>>,
-    test: &'a mut F,
+    visit: &'a mut F,
 }
 
-impl<S: Simd, T, F> traverse::LeafVisitor<S> for ClosestVisitor<'_, T, F> {}
+impl<S: Simd, F> traverse::LeafVisitor<S> for ClosestVisitor<'_, F> {}
 
-impl<S: Simd, T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> traverse::ClosestVisitor<S>
-    for ClosestVisitor<'_, T, F>
-{
+impl<S: Simd, F: FnMut(u32) -> f32> traverse::ClosestVisitor<S> for ClosestVisitor<'_, F> {
     #[inline(always)]
-    fn leaf(&mut self, _: S, index: usize, limit: f32) -> f32 {
-        let id = index as u32;
-        let Some((t, value)) = (self.test)(id, &self.shrinking) else {
-            return limit;
-        };
-        let wins = match &self.best {
-            None => t >= self.first && t <= self.last,
-            // A tie goes to the lower id, so that the answer does not depend on the order of
-            // traversal.
-            Some(best) => t >= self.first && (t < best.t || (t == best.t && id < best.id)),
-        };
-        if !wins {
-            return limit;
-        }
-        self.best = Some(Found { id, t, value });
-        self.shrinking.t_max = t;
-        self.scaling.limit(t)
+    fn leaf(&mut self, _: S, index: usize, _: f32) -> f32 {
+        self.scaling.limit((self.visit)(index as u32))
     }
 }
 
-struct TraverseClosest<'a, 'b, T, F> {
+struct TraverseClosest<'a, F> {
     tree: &'a Tree,
-    visitor: &'a mut ClosestVisitor<'b, T, F>,
+    ray: &'a Ray,
+    visitor: ClosestVisitor<'a, F>,
 }
 
-impl<T, F: FnMut(u32, &Ray) -> Option<(f32, T)>> WithSimd for TraverseClosest<'_, '_, T, F> {
+impl<F: FnMut(u32) -> f32> WithSimd for TraverseClosest<'_, F> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let ray = &self.visitor.shrinking;
-        let Some(slab_ray) = SlabRay::new(ray, self.tree.range) else { return };
+    fn run<S: Simd>(mut self, simd: S) {
+        let Some(slab_ray) = SlabRay::new(self.ray, self.tree.range) else { return };
         self.visitor.scaling = slab_ray.scaling;
-        let limit = slab_ray.scaling.limit(ray.t_max);
-        traverse::closest(simd, self.tree, &slab_ray, limit, self.visitor);
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
+        traverse::closest(simd, self.tree, &slab_ray, limit, &mut self.visitor);
+    }
+}
+
+/// Finds the children of the only node of a tree that a ray meets.
+struct Meet<'a> {
+    node: &'a Node,
+    range: f32,
+    ray: &'a Ray,
+}
+
+impl WithSimd for Meet<'_> {
+    type Output = Option<Met>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<Met> {
+        let slab_ray = SlabRay::new(self.ray, self.range)?;
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
+        let (near, mask) = slab_ray.lanes(simd).test(simd, self.node, simd.splat(limit));
+        let entries = traverse::ordered(simd, near, mask, &self.node.children);
+        Some(Met { entries, count: mask.count_ones(), limit, scaling: slab_ray.scaling })
+    }
+}
+
+/// Children that a ray meets, farthest first.
+struct Met {
+    entries: [StackEntry; WIDTH],
+    /// The number of entries that are left.
+    count: u32,
+    /// The parameter beyond which entries are not visited.
+    limit: f32,
+    scaling: Scaling,
+}
+
+impl Met {
+    /// Returns the id of the next entry before the limit.
+    #[inline(always)]
+    fn next(&mut self) -> Option<u32> {
+        self.count = self.count.checked_sub(1)?;
+        let entry = self.entries[self.count as usize % WIDTH];
+        // As in `traverse::closest`.
+        (entry.near() <= self.limit.max(f32::MIN_POSITIVE)).then(|| entry.child().index() as u32)
+    }
+}
+
+/// Finds the children of the only node of a tree that a ray meets, as a mask.
+struct MeetAny<'a> {
+    node: &'a Node,
+    range: f32,
+    ray: &'a Ray,
+}
+
+impl WithSimd for MeetAny<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> u32 {
+        let Some(slab_ray) = SlabRay::new(self.ray, self.range) else { return 0 };
+        let limit = slab_ray.scaling.limit(self.ray.t_max);
+        slab_ray.lanes(simd).test(simd, self.node, simd.splat(limit)).1
     }
 }
 

@@ -54,21 +54,21 @@ impl<'a> Stack<'a> {
         Some(unsafe { self.entries.get_unchecked(self.len).assume_init() })
     }
 
-    /// Pushes the `count` entries that `write` puts at the front of the array given to it.
+    /// The places of the next entries, to be written before [`Self::grow`].
+    #[inline(always)]
+    pub(crate) fn next(&mut self) -> &mut [MaybeUninit<StackEntry>; WIDTH] {
+        self.entries[self.len..]
+            .first_chunk_mut()
+            .expect("the capacity follows from the depth of the tree")
+    }
+
+    /// Pushes the first `count` entries that were written to [`Self::next`].
     ///
     /// # Safety
     ///
-    /// `write` must initialize the first `count` entries.
+    /// They must be initialized, and at most [`WIDTH`].
     #[inline(always)]
-    pub(crate) unsafe fn extend(
-        &mut self,
-        count: usize,
-        write: impl FnOnce(&mut [MaybeUninit<StackEntry>; WIDTH]),
-    ) {
-        let window = self.entries[self.len..]
-            .first_chunk_mut()
-            .expect("the capacity follows from the depth of the tree");
-        write(window);
+    pub(crate) unsafe fn grow(&mut self, count: usize) {
         self.len += count;
     }
 }

@@ -5,6 +5,7 @@ use crate::node::{Child, Node, Tree, WIDTH};
 use crate::simd::{Simd, StackEntry};
 use crate::slab::SlabRay;
 use crate::stack::{self, Stack};
+use std::mem::MaybeUninit;
 
 /// A visitor of leaves, whose memory it may prefetch.
 pub(crate) trait LeafVisitor<S: Simd> {
@@ -39,6 +40,20 @@ fn prefetch<S: Simd>(simd: S, tree: &Tree, visitor: &impl LeafVisitor<S>, child:
     } else {
         simd.prefetch(&tree.nodes[child.index()]);
     }
+}
+
+/// Returns the children in `mask`, farthest first; the entries after them are unspecified.
+#[inline(always)]
+pub(crate) fn ordered<S: Simd>(
+    simd: S,
+    near: S::Lanes,
+    mask: u32,
+    children: &[Child; WIDTH],
+) -> [StackEntry; WIDTH] {
+    let mut entries = [MaybeUninit::new(StackEntry::NONE); WIDTH];
+    simd.order(near, mask, children, &mut entries);
+    // SAFETY: all entries were initialized above, and `order` only overwrites them.
+    entries.map(|entry| unsafe { entry.assume_init() })
 }
 
 /// Calls `visitor` with each leaf whose box the ray meets before the limit, roughly from near to
@@ -98,10 +113,10 @@ pub(crate) fn closest<S: Simd>(
                     continue;
                 }
                 let count = mask.count_ones() as usize;
+                // Not in a closure, which might be outlined, without the instruction set.
+                simd.order(near, mask, &node.children, stack.next());
                 // SAFETY: `order` initializes an entry for each bit of the mask.
-                unsafe {
-                    stack.extend(count, |entries| simd.order(near, mask, &node.children, entries));
-                }
+                unsafe { stack.grow(count) };
                 let mut rest = mask;
                 while rest != 0 {
                     let slot = rest.trailing_zeros() as usize % WIDTH;
@@ -152,10 +167,9 @@ pub(crate) fn growing<S: Simd>(
             let (near, mask) = lanes.test(simd, node, ends);
             if mask & mask.wrapping_sub(1) != 0 {
                 let count = mask.count_ones() as usize;
+                simd.order(near, mask, &node.children, stack.next());
                 // SAFETY: `order` initializes an entry for each bit of the mask.
-                unsafe {
-                    stack.extend(count, |entries| simd.order(near, mask, &node.children, entries));
-                }
+                unsafe { stack.grow(count) };
             } else if mask != 0 {
                 let only = mask.trailing_zeros() as usize % WIDTH;
                 stack.push(StackEntry::new(simd.to_array(near)[only], node.children[only]));

@@ -1,5 +1,6 @@
 //! Rounding bounds, and the origin of a ray that leaves a surface.
 
+use crate::next_float::next_float;
 use glam::{DVec3, Vec3};
 
 /// Bound on the relative error of one rounding to `f32`: `2⁻²⁴`, half the distance between 1 and
@@ -26,19 +27,9 @@ pub fn leave_surface(position: Vec3, error: f32, normal: Vec3, direction: Vec3) 
     // In `f64` the products are exact, so that the sign is right at grazing directions too.
     let outwards = normal.as_dvec3().dot(direction.as_dvec3());
     let side = if outwards < 0.0 { -normal } else { normal };
-    // Rounds outwards to the next number, branch-free: the signs of the step are unpredictable.
-    // Read as integers, with the negative ones mirrored, the bits of floating-point numbers have
-    // the order of the numbers.
-    let away = |p: f32, step: f32| {
-        let moved = p + step;
-        let mirrored = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
-        let place = mirrored(moved.to_bits() as i32);
-        let next = place + i32::from(step > 0.0) - i32::from(step < 0.0);
-        let next = f32::from_bits(mirrored(next) as u32);
-        if moved.is_finite() { next } else { moved }
-    };
-    let step = error * side;
-    Vec3::new(away(position.x, step.x), away(position.y, step.y), away(position.z, step.z))
+    // Moves and rounds outwards to the next number.
+    let step = (error * side).extend(0.0);
+    next_float(position.extend(0.0) + step, step).truncate()
 }
 
 /// Returns a bound on the distance between a point that was computed in `f64` and `p`, the same

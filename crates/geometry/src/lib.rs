@@ -157,6 +157,7 @@ mod float;
 #[cfg(not(feature = "std"))]
 mod libm_functions;
 mod method;
+mod next_float;
 mod origin_side;
 mod primitive;
 mod ray;

@@ -120,6 +120,12 @@ impl Frame {
         }
     }
 
+    /// Returns whether object space is world space.
+    #[inline]
+    pub(crate) fn is_identity(&self) -> bool {
+        self.identity
+    }
+
     /// Transforms a ray to object space. `t` is the same in both spaces, since the direction is not
     /// normalized.
     #[inline]

@@ -209,24 +209,36 @@ impl Trees {
         left: Option<u32>,
         with_parameters: bool,
     ) -> Option<SceneHit> {
+        // Hits are written where they stay, and borrowed from there: copying one right after the
+        // store stalls on store-to-load forwarding. One place has the closest, the other is free.
+        let mut places = [None, None];
         if let [placement] = self.placements.as_slice() {
-            // Borrow the hit instead of moving it: copying it right after the store stalls on
-            // store-to-load forwarding.
-            let found = self.closest_in(scene, placement, ray, left);
-            return found.as_ref().map(|found| {
+            self.closest_in(scene, placement, ray, left, &mut places[0]);
+            return places[0].as_ref().map(|found| {
                 self.scene_hit(scene, placement, found.id, &found.hit, with_parameters)
             });
         }
-        let test = |id: u32, ray: &Ray| {
-            let found = self.closest_in(scene, &self.placements[id as usize], ray, left)?;
-            Some((found.hit.t, found))
-        };
-        let found = self.upper.closest(ray, test)?;
-        let (placement, primitive) = (&self.placements[found.id as usize], &found.value);
-        Some(self.scene_hit(scene, placement, primitive.id, &primitive.hit, with_parameters))
+        let mut shrinking = *ray;
+        let (mut closest, mut free) = (u32::MAX, 0);
+        self.upper.visit(ray, |id| {
+            let (placement, place) = (&self.placements[id as usize], &mut places[free & 1]);
+            self.closest_in(scene, placement, &shrinking, left, place);
+            if let Some(PrimitiveHit { hit: Hit { t, .. }, .. }) = place {
+                let (t, last) = (*t, shrinking.t_max);
+                // A tie goes to the first instance.
+                if t.is_finite() && (t < last || (t == last && id < closest)) {
+                    (closest, free) = (id, free ^ 1);
+                    shrinking.t_max = t;
+                }
+            }
+            shrinking.t_max
+        });
+        let placement = self.placements.get(closest as usize)?;
+        let found = places[free & 1 ^ 1].as_ref()?;
+        Some(self.scene_hit(scene, placement, found.id, &found.hit, with_parameters))
     }
 
-    /// Returns the first hit of the ray in a placement, in object space.
+    /// Writes the first hit of the ray in a placement, in object space, or `None` to `place`.
     #[inline(always)]
     fn closest_in(
         &self,
@@ -234,17 +246,24 @@ impl Trees {
         placement: &Placement,
         ray: &Ray,
         left: Option<u32>,
-    ) -> Option<PrimitiveHit> {
+        place: &mut Option<PrimitiveHit>,
+    ) {
         let shape = &scene.shapes[placement.shape as usize];
         let tree = &self.trees[placement.tree as usize];
-        let ray = placement.object_ray(shape, ray);
+        let transformed;
+        let ray = if placement.keeps_rays(shape) {
+            ray
+        } else {
+            transformed = placement.object_ray(shape, ray);
+            &transformed
+        };
         if placement.is_union(shape) {
-            return tree.boundary(&ray, start(placement, left));
+            *place = tree.boundary(ray, start(placement, left));
+        } else if self.is_beside(placement, ray) {
+            *place = None;
+        } else {
+            tree.closest(ray, shape.method, place);
         }
-        if self.is_beside(placement, &ray) {
-            return None;
-        }
-        tree.closest(&ray, shape.method)
     }
 
     /// Returns true only if a ray in object space misses all elements of a placement.
@@ -369,12 +388,18 @@ impl Trees {
         let test = |id: u32, ray: &Ray| {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
-            let ray = placement.object_ray(shape, ray);
             let tree = &self.trees[placement.tree as usize];
+            let transformed;
+            let ray = if placement.keeps_rays(shape) {
+                ray
+            } else {
+                transformed = placement.object_ray(shape, ray);
+                &transformed
+            };
             if placement.is_union(shape) {
-                return tree.boundary(&ray, start(placement, left)).is_some();
+                return tree.boundary(ray, start(placement, left)).is_some();
             }
-            !self.is_beside(placement, &ray) && tree.any(&ray, shape.method)
+            !self.is_beside(placement, ray) && tree.any(ray, shape.method)
         };
         if self.placements.len() == 1 { test(0, ray) } else { self.upper.any(ray, test) }
     }

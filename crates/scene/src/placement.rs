@@ -53,6 +53,12 @@ fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
 }
 
 impl Placement {
+    /// Returns whether a ray in the space of the shape is the same as in the world.
+    #[inline]
+    pub(crate) fn keeps_rays(&self, shape: &Shape) -> bool {
+        self.frame.is_identity() && !shape.is_ribbons()
+    }
+
     /// Transforms a ray to the space of the shape.
     #[inline]
     pub(crate) fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {

@@ -83,13 +83,14 @@ impl ShapeTree {
         }
     }
 
+    /// Writes the first hit of a ray, or `None`, to a place.
     #[inline]
-    pub(crate) fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
+    pub(crate) fn closest(&self, ray: &Ray, method: Method, place: &mut Option<PrimitiveHit>) {
         match self {
-            Self::Points(tree) => tree.closest(ray, method),
-            Self::Lines(tree) => tree.closest(ray, method),
-            Self::Triangles(tree) => tree.closest(ray, method),
-            Self::Quads(tree) => tree.closest(ray, method),
+            Self::Points(tree) => tree.closest_to(ray, method, place),
+            Self::Lines(tree) => tree.closest_to(ray, method, place),
+            Self::Triangles(tree) => tree.closest_to(ray, method, place),
+            Self::Quads(tree) => tree.closest_to(ray, method, place),
         }
     }
 

@@ -102,38 +102,54 @@ impl Sampler {
     /// [`camera_ray`]: crate::camera_ray
     #[must_use]
     pub fn set(&self, set: u32) -> [f32; 4] {
-        let first = mix(self.key ^ mix(u64::from(set)));
-        if self.sequence == Sequence::Sobol {
-            let (shuffle, scramble) = (first as u32, (first >> 32) as u32);
-            let scrambled = Scrambled { index: self.index, shuffle, scramble };
-            return Isa::default_set().vectorize(scrambled);
+        let [numbers] = self.sets(set);
+        numbers
+    }
+
+    /// Returns the numbers of `N` sets from `first` on, in little more time than those of one:
+    /// the chain of hashes that each number is takes most of it.
+    #[must_use]
+    pub(crate) fn sets<const N: usize>(&self, first: u32) -> [[f32; 4]; N] {
+        let mut keys = [0; N];
+        for (set, key) in (first..).zip(&mut keys) {
+            *key = mix(self.key ^ mix(u64::from(set)));
         }
-        let second = mix(first);
+        if self.sequence == Sequence::Sobol {
+            return Isa::default_set().vectorize(Scrambled { index: self.index, keys });
+        }
         let unit = |bits: u64| (bits as u32 >> 8) as f32 * (1.0 / (1_u32 << 24) as f32);
-        [unit(first), unit(first >> 32), unit(second), unit(second >> 32)]
+        keys.map(|first| {
+            let second = mix(first);
+            [unit(first), unit(first >> 32), unit(second), unit(second >> 32)]
+        })
     }
 }
 
-/// Four coordinates of a Sobol point, whose index has its bits reversed. The index is shuffled and
-/// each coordinate scrambled, both by Owen's method: `sobol_burley::sample_4d` with two seeds.
-struct Scrambled {
+/// Four coordinates of each of `N` Sobol points, whose index has its bits reversed. The index is
+/// shuffled and each coordinate scrambled, both by Owen's method: `sobol_burley::sample_4d` with
+/// two seeds, the lower and the upper half of a key.
+struct Scrambled<const N: usize> {
     index: u32,
-    shuffle: u32,
-    scramble: u32,
+    keys: [u64; N],
 }
 
-impl Vectorize for Scrambled {
-    type Output = [f32; 4];
+impl<const N: usize> Vectorize for Scrambled<N> {
+    type Output = [[f32; 4]; N];
 
     #[inline(always)]
-    fn run(self) -> [f32; 4] {
-        let Self { index, shuffle, scramble } = self;
+    fn run(self) -> [[f32; 4]; N] {
+        let Self { index, keys } = self;
         let salts = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8];
-        let point = sobol_point(owen_scramble_rev(index, shuffle));
-        let mut coordinates = [0.0; 4];
-        for ((coordinate, point), salt) in coordinates.iter_mut().zip(point).zip(salts) {
-            let scrambled = owen_scramble_rev(point, hash(scramble ^ salt));
-            *coordinate = u32_to_f32_norm(scrambled.reverse_bits());
+        let mut points = [[0; 4]; N];
+        for (point, key) in points.iter_mut().zip(keys) {
+            *point = sobol_point(owen_scramble_rev(index, key as u32));
+        }
+        let mut coordinates = [[0.0; 4]; N];
+        for ((coordinates, point), key) in coordinates.iter_mut().zip(points).zip(keys) {
+            for ((coordinate, point), salt) in coordinates.iter_mut().zip(point).zip(salts) {
+                let scrambled = owen_scramble_rev(point, hash((key >> 32) as u32 ^ salt));
+                *coordinate = u32_to_f32_norm(scrambled.reverse_bits());
+            }
         }
         coordinates
     }
@@ -185,8 +201,9 @@ mod tests {
             let [shuffle, scramble] = [hash(seed ^ 0x79c6_8e4a), seed.wrapping_mul(0x9c8f_2d3b)];
             let expected = sobol_burley::sample_4d(sample, 0, seed);
             for isa in Isa::available() {
-                let index = sample.reverse_bits();
-                let found = isa.vectorize(Scrambled { index, shuffle, scramble });
+                let (index, key) = (sample.reverse_bits(), u64::from(shuffle));
+                let keys = [!key, key | u64::from(scramble) << 32];
+                let [_, found] = isa.vectorize(Scrambled { index, keys });
                 assert_eq!(found, expected, "sample {sample}, seed {seed}, {isa:?}");
             }
         }

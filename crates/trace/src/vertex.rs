@@ -44,8 +44,13 @@ const SAME: f32 = 1.0 - 1e-5;
 impl Vertex<'_> {
     /// Returns the BSDF for light that leaves to `outgoing`, and the shading normal.
     pub(crate) fn bsdf(&self, outgoing: Vec3) -> (Bsdf, Vec3) {
-        let normal = shading_normal(self.scene, self.hit, self.material.kind, outgoing);
+        let normal = self.shading_normal(outgoing);
         (Bsdf::new(self.material, normal, outgoing), normal)
+    }
+
+    /// Returns the shading normal for a viewer in the direction `outgoing`.
+    pub(crate) fn shading_normal(&self, outgoing: Vec3) -> Vec3 {
+        shading_normal(self.scene, self.hit, self.material.kind, outgoing)
     }
 
     /// Returns the point that lights are sampled for, by the shading normal of its viewer.

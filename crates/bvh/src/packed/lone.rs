@@ -5,8 +5,9 @@
 use super::Packed;
 use super::kernel::{HasIds, Kernel, NO_ID};
 use super::method_tag::MethodTag;
+use crate::found::PrimitiveHit;
 use crate::simd::{Simd, WithSimd};
-use rotund_geometry::{Hit, Ray};
+use rotund_geometry::Ray;
 use std::marker::PhantomData;
 
 impl<P: Kernel> Packed<P> {
@@ -21,6 +22,7 @@ impl<P: Kernel> Packed<P> {
 
 /// The exact test of the first primitive of a block.
 pub(super) struct TestLone<'a, P: Kernel, M> {
+    id: u32,
     block: &'a P::Block,
     ray: &'a Ray,
     method: PhantomData<M>,
@@ -28,20 +30,21 @@ pub(super) struct TestLone<'a, P: Kernel, M> {
 
 impl<'a, P: Kernel, M> TestLone<'a, P, M> {
     #[inline(always)]
-    pub(super) fn new(block: &'a P::Block, ray: &'a Ray) -> Self {
-        Self { block, ray, method: PhantomData }
+    pub(super) fn new((id, block): (u32, &'a P::Block), ray: &'a Ray) -> Self {
+        Self { id, block, ray, method: PhantomData }
     }
 }
 
 impl<P: Kernel, M: MethodTag> WithSimd for TestLone<'_, P, M> {
-    type Output = Option<Hit>;
+    type Output = Option<PrimitiveHit>;
 
     /// As in a traversal, a ray that is not finite hits nothing.
     #[inline(always)]
-    fn run<S: Simd>(self, _: S) -> Option<Hit> {
+    fn run<S: Simd>(self, _: S) -> Option<PrimitiveHit> {
         if !(self.ray.origin.is_finite() && self.ray.direction.is_finite()) {
             return None;
         }
-        P::unpack(self.block, 0).exact_hit::<M>(self.ray)
+        let hit = P::unpack(self.block, 0).exact_hit::<M>(self.ray)?;
+        Some(PrimitiveHit { id: self.id, hit })
     }
 }

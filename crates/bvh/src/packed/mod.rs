@@ -17,6 +17,7 @@ mod method_tag;
 mod patch;
 mod patch_crossing;
 mod pieces;
+mod place;
 mod refit;
 mod report;
 mod round;
@@ -35,8 +36,9 @@ use closest::FindClosest;
 use kernel::{Kernel, NO_ID};
 use lone::TestLone;
 use method_tag::{Enhanced, Vanilla};
+use place::WriteTo;
 use rayon::prelude::*;
-use rotund_geometry::{Aabb, BilinearPatch, Hit, Method, Ray, RoundedCone, Sphere, Triangle};
+use rotund_geometry::{Aabb, BilinearPatch, Method, Ray, RoundedCone, Sphere, Triangle};
 
 pub use report::{Statistics, Visits};
 pub use union::Start;
@@ -154,8 +156,10 @@ impl<P: Kernel> Packed<P> {
     #[must_use]
     #[inline]
     pub fn closest(&self, ray: &Ray, method: Method) -> Option<PrimitiveHit> {
-        if let Some((id, block)) = self.lone() {
-            return self.lone_hit(block, ray, method).map(|hit| PrimitiveHit { id, hit });
+        if let Some(lone) = self.lone() {
+            let mut found = None;
+            self.lone_hit(lone, ray, method, &mut found);
+            return found;
         }
         match method {
             Method::Enhanced => self.isa.run(FindClosest::<P, Enhanced>::new(self, ray)),
@@ -163,12 +167,33 @@ impl<P: Kernel> Packed<P> {
         }
     }
 
+    /// Writes the result of [`Packed::closest`] to `place`, for a caller that keeps it there: that
+    /// is faster than to copy it.
+    #[inline]
+    pub fn closest_to(&self, ray: &Ray, method: Method, place: &mut Option<PrimitiveHit>) {
+        if let Some(lone) = self.lone() {
+            return self.lone_hit(lone, ray, method, place);
+        }
+        match method {
+            Method::Enhanced => {
+                let query = FindClosest::<P, Enhanced>::new(self, ray);
+                self.isa.run(WriteTo { place, query });
+            }
+            Method::Vanilla => {
+                let query = FindClosest::<P, Vanilla>::new(self, ray);
+                self.isa.run(WriteTo { place, query });
+            }
+        }
+    }
+
     /// Returns whether the ray hits any primitive, that is, whether [`Packed::closest`] finds one.
     #[must_use]
     #[inline]
     pub fn any(&self, ray: &Ray, method: Method) -> bool {
-        if let Some((_, block)) = self.lone() {
-            return self.lone_hit(block, ray, method).is_some();
+        if let Some(lone) = self.lone() {
+            let mut found = None;
+            self.lone_hit(lone, ray, method, &mut found);
+            return found.is_some();
         }
         match method {
             Method::Enhanced => self.isa.run(FindAny::<P, Enhanced>::new(self, ray)),
@@ -177,10 +202,22 @@ impl<P: Kernel> Packed<P> {
     }
 
     #[inline(never)]
-    fn lone_hit(&self, block: &P::Block, ray: &Ray, method: Method) -> Option<Hit> {
+    fn lone_hit(
+        &self,
+        lone: (u32, &P::Block),
+        ray: &Ray,
+        method: Method,
+        place: &mut Option<PrimitiveHit>,
+    ) {
         match method {
-            Method::Enhanced => self.isa.run(TestLone::<P, Enhanced>::new(block, ray)),
-            Method::Vanilla => self.isa.run(TestLone::<P, Vanilla>::new(block, ray)),
+            Method::Enhanced => {
+                let query = TestLone::<P, Enhanced>::new(lone, ray);
+                self.isa.run(WriteTo { place, query });
+            }
+            Method::Vanilla => {
+                let query = TestLone::<P, Vanilla>::new(lone, ray);
+                self.isa.run(WriteTo { place, query });
+            }
         }
     }
 }

@@ -69,8 +69,8 @@ pub trait Simd: Copy {
     /// Bit `i` is set unless `a > b` in lane `i`; so it is set if either is NaN.
     fn mask_not_gt(self, a: Self::Lanes, b: Self::Lanes) -> u32;
 
-    /// Writes stack entries for the children in `mask`, which are at least two, farthest first. The
-    /// entries of `out` after them are unspecified.
+    /// Writes stack entries for the children in `mask`, farthest first. The entries of `out` after
+    /// them are unspecified.
     fn order(
         self,
         near: Self::Lanes,
@@ -87,6 +87,8 @@ pub trait Simd: Copy {
 pub struct StackEntry(pub(crate) u64);
 
 impl StackEntry {
+    pub(crate) const NONE: Self = Self(0);
+
     #[inline(always)]
     pub(crate) fn new(near: f32, child: Child) -> Self {
         // Also removes the sign of a negative zero.
@@ -113,7 +115,7 @@ fn order_by_insertion(
     children: &[Child; WIDTH],
     out: &mut [MaybeUninit<StackEntry>; WIDTH],
 ) {
-    let mut sorted = [StackEntry(0); WIDTH];
+    let mut sorted = [StackEntry::NONE; WIDTH];
     let mut count = 0;
     while mask != 0 {
         let lane = mask.trailing_zeros() as usize % WIDTH;

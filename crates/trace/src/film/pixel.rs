@@ -94,7 +94,10 @@ fn fixed(x: f32) -> u128 {
     let exponent = (bits >> 23) as i32;
     let mantissa = u128::from(bits & 0x007f_ffff | 0x0080_0000);
     let shift = exponent - 150 + FRACTION_BITS;
-    if shift >= 0 {
+    if (0..=40).contains(&shift) {
+        // The usual case, up to 256, takes 64 bits.
+        u128::from((mantissa as u64) << shift)
+    } else if shift >= 0 {
         mantissa << shift
     } else if shift > -24 {
         mantissa >> -shift

@@ -3,7 +3,7 @@
 //! Source: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", HPG 2018; without the splitting.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rotund_geometry::Aabb;
 
 /// Bounds of a group of emitters.
@@ -95,7 +95,7 @@ impl LightTree {
     /// Returns an estimate of the irradiance of all emitters together: an upper bound but for the
     /// variation of the distance within a group, without occlusion.
     pub(super) fn importance(&self, receiver: &Receiver) -> f32 {
-        self.nodes.first().map_or(0.0, |root| root.importance(receiver))
+        self.nodes.first().map_or(0.0, |root| importances([root; 2], receiver)[0])
     }
 
     /// Samples an emitter. Returns its index and probability, or `None` if no emitter can
@@ -143,8 +143,8 @@ impl LightTree {
     }
 
     fn share_of_first(&self, index: usize, second: u32, receiver: &Receiver) -> Option<f32> {
-        let a = self.nodes[index + 1].importance(receiver);
-        let b = self.nodes[second as usize].importance(receiver);
+        let children = [&self.nodes[index + 1], &self.nodes[second as usize]];
+        let [a, b] = importances(children, receiver);
         (a + b > 0.0).then(|| a / (a + b))
     }
 }
@@ -166,40 +166,44 @@ impl Node {
         let radius2 = 0.25 * (bounds.max - bounds.min).length_squared();
         Self { power, normal, center: bounds.center(), radius2, kind }
     }
+}
 
-    /// Returns the importance of the group for a receiver: 0 only if no light can reach it.
-    fn importance(&self, receiver: &Receiver) -> f32 {
-        let radius2 = self.radius2;
-        let to = self.center - receiver.position;
-        let distance2 = to.length_squared();
-        let near = self.power / distance2.max(radius2).max(f32::MIN_POSITIVE);
-        if distance2 <= radius2 {
-            return near;
-        }
-        // Cosine and sine of the half angle that the bounding sphere subtends.
-        let sine2 = radius2 / distance2;
-        let spread = [(1.0 - sine2).sqrt(), sine2.sqrt()];
-        let direction = to / distance2.sqrt();
-        let arriving = receiver
-            .normal
-            .map_or(1.0, |normal| widened_cosine(normal.dot(direction), spread).max(0.0));
-        let leaving = if self.normal == Vec3::ZERO {
-            1.0
-        } else {
-            widened_cosine(self.normal.dot(direction).abs(), spread)
-        };
-        near * arriving * leaving
-    }
+/// Returns the importance of two groups for a receiver: 0 only if no light can reach it. Both in
+/// two lanes take little longer than one.
+fn importances(nodes: [&Node; 2], receiver: &Receiver) -> [f32; 2] {
+    let lanes = |[a, b]: [f32; 2]| Vec4::new(a, b, 0.0, 0.0);
+    let axes = |[a, b]: [Vec3; 2]| [lanes([a.x, b.x]), lanes([a.y, b.y]), lanes([a.z, b.z])];
+    let at = |point: Vec3| point.to_array().map(Vec4::splat);
+    let dot = |a: [Vec4; 3], b: [Vec4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let radius2 = lanes(nodes.map(|node| node.radius2));
+    let ([x, y, z], from) = (axes(nodes.map(|node| node.center)), at(receiver.position));
+    let to = [x - from[0], y - from[1], z - from[2]];
+    let distance2 = dot(to, to);
+    let power = lanes(nodes.map(|node| node.power));
+    let near = power / distance2.max(radius2).max(Vec4::splat(f32::MIN_POSITIVE));
+    // Cosine and sine of the half angle that the bounding sphere subtends.
+    let sine2 = radius2 / distance2;
+    let spread = [(1.0 - sine2).sqrt(), sine2.sqrt()];
+    let distance = distance2.sqrt();
+    let direction = to.map(|to| to / distance);
+    let arriving = receiver.normal.map_or(Vec4::ONE, |normal| {
+        widened_cosine(dot(at(normal), direction), spread).max(Vec4::ZERO)
+    });
+    let normal = axes(nodes.map(|node| node.normal));
+    let [x, y, z] = normal.map(|normal| normal.cmpeq(Vec4::ZERO));
+    let leaving = widened_cosine(dot(normal, direction).abs(), spread);
+    let leaving = Vec4::select(x & y & z, Vec4::ONE, leaving);
+    let inside = distance2.cmple(radius2);
+    let [a, b, ..] = Vec4::select(inside, near, near * arriving * leaving).to_array();
+    [a, b]
 }
 
 /// Returns the largest cosine within a cone of half angle `[cosine, sine]` about a direction of
 /// this cosine: the cosine of the difference of the angles, or 1 if the half angle is larger.
-fn widened_cosine(cosine: f32, [spread_cosine, spread_sine]: [f32; 2]) -> f32 {
-    if cosine >= spread_cosine {
-        return 1.0;
-    }
-    let sine = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
-    cosine * spread_cosine + sine * spread_sine
+fn widened_cosine(cosine: Vec4, [spread_cosine, spread_sine]: [Vec4; 2]) -> Vec4 {
+    let sine = ((1.0 - cosine) * (1.0 + cosine)).max(Vec4::ZERO).sqrt();
+    let widened = cosine * spread_cosine + sine * spread_sine;
+    Vec4::select(cosine.cmpge(spread_cosine), Vec4::ONE, widened)
 }
 
 /// Partitions members into two groups that are not empty, and returns the size of the first.

@@ -201,7 +201,16 @@ impl Path<'_> {
 
     /// Returns the `index`-th set of numbers of this segment.
     fn numbers(&self, index: u32) -> [f32; 4] {
-        self.sampler.set(1 + SETS_PER_SEGMENT * (self.segment - 1) + index)
+        self.sampler.set(self.first_set() + index)
+    }
+
+    /// Returns the sets of numbers of a vertex: for a light, and for the direction that goes on.
+    fn numbers_of_vertex(&self) -> [[f32; 4]; 2] {
+        self.sampler.sets(self.first_set())
+    }
+
+    fn first_set(&self) -> u32 {
+        1 + SETS_PER_SEGMENT * (self.segment - 1)
     }
 
     /// Continues straight behind a surface.

@@ -6,7 +6,7 @@ use crate::medium::Medium;
 use crate::mis::weight_of_light_sample;
 use crate::shadow::{Departure, Target, Visible};
 use crate::vertex::{Vertex, sides_agree};
-use crate::{BsdfSample, Receiver, phase, power_heuristic};
+use crate::{Bsdf, BsdfSample, Receiver, phase, power_heuristic};
 use glam::{Vec2, Vec3};
 use rotund_geometry::Ray;
 use rotund_scene::{MaterialKind, MaterialPoint, SceneHit};
@@ -19,14 +19,17 @@ impl Path<'_> {
         receiver: &Receiver,
         departure: &Departure<'_>,
         vertex: Option<&Vertex<'_>>,
+        [x, y, choice, _]: [f32; 4],
         scatter: impl Fn(Vec3) -> (Vec3, f32),
     ) {
         let Context { scene, trees, lights, bounces, furnace, .. } = self.context;
         if *furnace {
             return;
         }
-        let [x, y, choice, _] = self.numbers(0);
-        let Some(light) = lights.sample(receiver, choice, Vec2::new(x, y)) else { return };
+        // Results are borrowed where they were written: a copy right after the store stalls on
+        // store-to-load forwarding.
+        let sampled = lights.sample(receiver, choice, Vec2::new(x, y));
+        let Some(light) = &sampled else { return };
         let (value, pdf) = scatter(light.incoming);
         if value == Vec3::ZERO {
             return;
@@ -39,10 +42,10 @@ impl Path<'_> {
         let seen = self.context.visibility(departure, &target, &self.media);
         let Visible { share, rays, clouds } = seen;
         self.arrived.rays += rays;
-        if share != Vec3::ZERO && !lights.is_covered(scene, trees, &light) {
-            let radiance = lights.radiance(scene, &light);
+        if share != Vec3::ZERO && !lights.is_covered(scene, trees, light) {
+            let radiance = lights.radiance(scene, light);
             let found = vertex.filter(|_| !clouds);
-            let found = found.and_then(|vertex| self.found_with(vertex, &light, pdf));
+            let found = found.and_then(|vertex| self.found_with(vertex, light, pdf));
             let weight = found.map_or_else(
                 || power_heuristic(light.pdf, pdf),
                 |found| weight_of_light_sample(light.pdf / pdf, found),
@@ -62,13 +65,14 @@ impl Path<'_> {
         let receiver = Receiver { position, normal: None };
         // The refracting wall blocks direct illumination from outside.
         let lit = !medium.walled || self.context.facts.lit_inside;
+        let [of_light, [x, y, _, roulette]] = self.numbers_of_vertex();
         if lit {
-            self.gather_light(&receiver, &Departure::Inside(position), None, |incoming| {
+            let departure = Departure::Inside(position);
+            self.gather_light(&receiver, &departure, None, of_light, |incoming| {
                 let density = phase::henyey_greenstein(g, outgoing, incoming);
                 (Vec3::splat(density), density)
             });
         }
-        let [x, y, _, roulette] = self.numbers(1);
         let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
         let pdf = phase::henyey_greenstein(g, outgoing, incoming);
         self.origin = lit.then_some(Origin { receiver, pdf });
@@ -80,29 +84,31 @@ impl Path<'_> {
     pub(super) fn scatter_at(&mut self, hit: &SceneHit, material: &MaterialPoint) -> Next {
         let outgoing = -self.ray.direction;
         let vertex = Vertex { scene: self.context.scene, hit, material };
-        let (bsdf, normal) = vertex.bsdf(outgoing);
+        let [of_light, [x, y, choice, roulette]] = self.numbers_of_vertex();
+        let normal = vertex.shading_normal(outgoing);
+        let bsdf = Bsdf::new(material, normal, outgoing);
         let receiver = vertex.receiver(normal);
         let medium = (material.kind == MaterialKind::Refractive).then(|| Medium::new(material));
         if !bsdf.is_delta() {
             let departure = Departure::Surface { hit, outgoing, medium };
-            self.gather_light(&receiver, &departure, Some(&vertex), |incoming| {
+            self.gather_light(&receiver, &departure, Some(&vertex), of_light, |incoming| {
                 let value = bsdf.eval(incoming);
                 let allowed = vertex.allows(normal, outgoing, incoming);
                 (if allowed { value.value } else { Vec3::ZERO }, value.pdf)
             });
             self.gather_through_lens(&receiver, &vertex, &bsdf);
         }
-        let [x, y, choice, roulette] = self.numbers(1);
         let wall = Wall { hit, outgoing, medium, normal };
         if self.smooth
             && let Some((both, f)) = bsdf.both()
         {
             return self.branch(&wall, &both, f, choice, roulette);
         }
-        let Some(scattered) = bsdf.sample(choice, Vec2::new(x, y)) else { return Next::End };
+        let sampled = bsdf.sample(choice, Vec2::new(x, y));
+        let Some(scattered) = &sampled else { return Next::End };
         self.smooth &= scattered.pdf.is_none();
         self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
-        self.passage = self.passed(&receiver, &vertex, &scattered);
+        self.passage = self.passed(&receiver, &vertex, scattered);
         self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
         self.leave(&wall, scattered.incoming, scattered.weight, roulette)
     }
