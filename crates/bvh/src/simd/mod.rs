@@ -87,6 +87,7 @@ pub trait Simd: Copy {
 pub struct StackEntry(pub(crate) u64);
 
 impl StackEntry {
+    /// The content of an array that has not been written to.
     pub(crate) const NONE: Self = Self(0);
 
     #[inline(always)]

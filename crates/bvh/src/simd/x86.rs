@@ -273,7 +273,7 @@ mod tests {
     fn every_mask_is_ordered_as_by_the_portable_version() {
         let near = [3.0, -1.0, 0.5, 1e30, 0.25, f32::INFINITY, 7.0, 2.0];
         let children = [10, 11, 12, 13, 14, 15, 16, 17].map(Child::leaf);
-        for mask in (0..256u32).filter(|mask| mask.count_ones() >= 2) {
+        for mask in 0..256 {
             let expected = ordered(Portable, &near, mask, &children);
             if let Some(simd) = Avx2::new() {
                 assert_eq!(ordered(simd, &near, mask, &children), expected, "{mask:#b}");
