@@ -9,7 +9,7 @@
 //! - `a` is `1 / d` with one rounding. An end has three more, of the product and the sum that make
 //!   it and of its own value, so that it is off by less than `4 u` of itself. Therefore far ends
 //!   are moved by `16 u` of themselves: their `a` and `b` have the factor `1 + 16 u`, which costs
-//!   another rounding. As part of the slopes it delays no comparison.
+//!   another rounding, and no instruction in the test of a node.
 //! - `b` is `-o a`, minus `6 u |o a|` for a near plane and plus that for a far one. The roundings
 //!   of the product and of the sum use up `2.1 u |o a|` of it, those of an unfused `p a` one more,
 //!   and those of the factor of far planes two more.

@@ -250,13 +250,8 @@ impl Trees {
     ) {
         let shape = &scene.shapes[placement.shape as usize];
         let tree = &self.trees[placement.tree as usize];
-        let transformed;
-        let ray = if placement.keeps_rays(shape) {
-            ray
-        } else {
-            transformed = placement.object_ray(shape, ray);
-            &transformed
-        };
+        let mut transformed = None;
+        let ray = placement.ray_in_object(shape, ray, &mut transformed);
         if placement.is_union(shape) {
             *place = tree.boundary(ray, start(placement, left));
         } else if self.is_beside(placement, ray) {
@@ -389,13 +384,8 @@ impl Trees {
             let placement = &self.placements[id as usize];
             let shape = &scene.shapes[placement.shape as usize];
             let tree = &self.trees[placement.tree as usize];
-            let transformed;
-            let ray = if placement.keeps_rays(shape) {
-                ray
-            } else {
-                transformed = placement.object_ray(shape, ray);
-                &transformed
-            };
+            let mut transformed = None;
+            let ray = placement.ray_in_object(shape, ray, &mut transformed);
             if placement.is_union(shape) {
                 return tree.boundary(ray, start(placement, left)).is_some();
             }

@@ -53,15 +53,25 @@ fn parts(scene: &Scene) -> Vec<(u32, &[Instance])> {
 }
 
 impl Placement {
-    /// Returns whether a ray in the space of the shape is the same as in the world.
-    #[inline]
-    pub(crate) fn keeps_rays(&self, shape: &Shape) -> bool {
-        self.frame.is_identity() && !shape.is_ribbons()
+    /// Returns a ray in the space of the shape: the ray itself where that is world space, and
+    /// otherwise the transformed one, which is written to `place`.
+    #[inline(always)]
+    pub(crate) fn ray_in_object<'a>(
+        &self,
+        shape: &Shape,
+        ray: &'a Ray,
+        place: &'a mut Option<Ray>,
+    ) -> &'a Ray {
+        if self.frame.is_identity() && !shape.is_ribbons() {
+            ray
+        } else {
+            place.insert(self.object_ray(shape, ray))
+        }
     }
 
     /// Transforms a ray to the space of the shape.
     #[inline]
-    pub(crate) fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {
+    fn object_ray(&self, shape: &Shape, ray: &Ray) -> Ray {
         let mut ray = self.frame.object_ray(ray);
         if shape.is_ribbons() {
             ray.t_min = ray.t_min.max(self.ribbon_start / ray.direction.length());
