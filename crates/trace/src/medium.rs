@@ -38,27 +38,40 @@ impl Medium {
         }
     }
 
-    /// Samples the distance to the next scattering event. Returns the distance if it is less than
-    /// `limit`, else `None`, with the factor of the throughput.
+    /// Returns true if light is scattered inside.
+    pub(crate) fn scatters(&self) -> bool {
+        self.albedo != Vec3::ZERO
+    }
+
+    /// Samples the distance to the next scattering event, infinite where there is none.
     ///
     /// `channel` picks the channel whose extinction is sampled, `u` the distance; the density is
     /// the mean over the three channels.
-    pub(crate) fn sample(&self, limit: f32, channel: f32, u: f32) -> (Option<f32>, Vec3) {
-        let mean = |v: Vec3| v.element_sum() / 3.0;
+    pub(crate) fn sample(&self, channel: f32, u: f32) -> f32 {
         let drawn = self.extinction[((channel * 3.0) as usize).min(2)];
-        // Infinite for an extinction of zero.
-        let distance = -(-u).ln_1p() / drawn;
-        if distance < limit {
-            let remains = (-distance * self.extinction).exp();
-            let pdf = mean(self.extinction * remains);
-            (Some(distance), self.albedo * self.extinction * remains / pdf)
-        } else {
-            let remains = (-limit * self.extinction).exp();
-            // The transmittance of every channel may underflow: then nothing is transmitted.
-            let pdf = mean(remains);
-            (None, if pdf > 0.0 { remains / pdf } else { Vec3::ZERO })
-        }
+        // The minimum of a NaN, for an extinction of zero and `u` of zero, is infinite.
+        (-(-u).ln_1p() / drawn).min(f32::INFINITY)
     }
+
+    /// Returns the factor of the throughput of a path that scatters after a sampled distance.
+    pub(crate) fn scattered(&self, distance: f32) -> Vec3 {
+        let remains = (-distance * self.extinction).exp();
+        self.albedo * self.extinction * remains / mean(self.extinction * remains)
+    }
+
+    /// Returns the factor of the throughput of a path that passes `length`, since the sampled
+    /// distance is not less.
+    pub(crate) fn passed(&self, length: f32) -> Vec3 {
+        let remains = (-length * self.extinction).exp();
+        // The transmittance of every channel may underflow: then nothing is transmitted.
+        let probability = mean(remains);
+        if probability > 0.0 { remains / probability } else { Vec3::ZERO }
+    }
+}
+
+/// Returns the mean over the three channels.
+fn mean(channels: Vec3) -> f32 {
+    channels.element_sum() / 3.0
 }
 
 impl Media {
@@ -161,8 +174,12 @@ mod tests {
         for i in 0..STEPS {
             for j in 0..STEPS {
                 let place = |k: u32| (k as f32 + 0.5) / STEPS as f32;
-                let (distance, factor) = medium.sample(1.5, place(i), place(j));
-                let sum = if distance.is_some() { &mut scattered } else { &mut arrived };
+                let distance = medium.sample(place(i), place(j));
+                let (sum, factor) = if distance < 1.5 {
+                    (&mut scattered, medium.scattered(distance))
+                } else {
+                    (&mut arrived, medium.passed(1.5))
+                };
                 *sum += factor / (STEPS * STEPS) as f32;
             }
         }
@@ -170,6 +187,7 @@ mod tests {
         assert!(arrived.abs_diff_eq(remains, 1e-2), "{arrived} is not {remains}");
         let lost = medium.albedo * (1.0 - remains);
         assert!(scattered.abs_diff_eq(lost, 1e-2), "{scattered} is not {lost}");
+        assert_eq!([0.0, 0.5].map(|u| medium.sample(0.9, u)), [f32::INFINITY; 2]);
     }
 
     #[test]

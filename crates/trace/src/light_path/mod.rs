@@ -158,8 +158,17 @@ impl<'a> LightPath<'a> {
     fn step(&mut self, add: &mut impl FnMut(Splat)) -> Option<()> {
         let Context { scene, trees, lights, bounces, .. } = *self.context;
         self.rays += 1;
+        let medium = self.media.innermost().filter(|medium| medium.scatters());
+        // A light path ends where it scatters in a solid.
+        self.ray.t_max = medium.map_or(f32::INFINITY, |medium| {
+            let [channel, u, ..] = self.numbers(1);
+            medium.sample(channel, u)
+        });
         let hit = trees.closest_after(scene, &self.ray, self.left)?;
-        self.cross_medium(&hit)?;
+        self.throughput *= match medium {
+            Some(medium) => medium.passed(hit.t),
+            None => self.media.transmittance(hit.t),
+        };
         let material = scene.eval_material(hit.instance, hit.element, hit.uv);
         if material.opacity < 1.0 {
             let [chance, ..] = self.sampler.set(SHEET_SETS + self.sheets);
@@ -203,19 +212,6 @@ impl<'a> LightPath<'a> {
             return None;
         }
         self.scatter(&vertex)
-    }
-
-    /// Attenuates the path up to a hit; `None` if it scatters before.
-    fn cross_medium(&mut self, hit: &SceneHit) -> Option<()> {
-        let Some(medium) = self.media.innermost() else { return Some(()) };
-        if medium.albedo == Vec3::ZERO {
-            self.throughput *= self.media.transmittance(hit.t);
-            return Some(());
-        }
-        let [channel, u, ..] = self.numbers(1);
-        let (distance, factor) = medium.sample(hit.t, channel, u);
-        self.throughput *= factor;
-        distance.is_none().then_some(())
     }
 
     /// Returns the `index`-th set of numbers of the next vertex.

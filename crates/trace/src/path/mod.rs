@@ -151,25 +151,30 @@ impl Path<'_> {
     fn step(&mut self) -> Next {
         let scene = self.context.scene;
         self.arrived.rays += 1;
+        // A ray inside of a solid that scatters is traced to the next event only, which is often
+        // near compared with the other side of the solid.
+        let event = self.media.innermost().filter(|medium| medium.scatters()).map(|medium| {
+            let [channel, u, ..] = self.numbers(2);
+            (*medium, medium.sample(channel, u))
+        });
+        self.ray.t_max = event.map_or(f32::INFINITY, |(_, distance)| distance);
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
         let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
         let Some(hit) = &found else {
+            if let Some((medium, distance)) = event
+                && distance < f32::INFINITY
+            {
+                self.throughput *= medium.scattered(distance);
+                return self.scatter_inside(&medium, self.ray.at(distance));
+            }
             self.gather_environment();
             return Next::End;
         };
-        if let Some(&medium) = self.media.innermost() {
-            if medium.albedo == Vec3::ZERO {
-                self.throughput *= self.media.transmittance(hit.t);
-            } else {
-                let [channel, u, ..] = self.numbers(2);
-                let (distance, factor) = medium.sample(hit.t, channel, u);
-                self.throughput *= factor;
-                if let Some(distance) = distance {
-                    return self.scatter_inside(&medium, self.ray.at(distance));
-                }
-            }
-        }
+        self.throughput *= match event {
+            Some((medium, _)) => medium.passed(hit.t),
+            None => self.media.transmittance(hit.t),
+        };
         let material = scene.eval_material(hit.instance, hit.element, hit.uv);
         if material.opacity < 1.0 {
             let [chance, ..] = self.sampler.set(SHEET_SETS + self.sheets);
