@@ -243,12 +243,17 @@ impl Sphere {
         let square = a * (r * r);
         let discriminant = square - w.dot(w);
         let root = discriminant.sqrt();
-        let far = root - f.dot(d);
+        let b = f.dot(d);
+        let far = root - b;
         let grazing = CANCELLATION * square;
         let product = (far * (far - 2.0 * root)).abs();
-        // Written so that a NaN is left to the exact evaluation.
-        let certain =
-            discriminant > grazing && product > grazing && product <= FAR * discriminant && r > 0.0;
+        // If b is positive, as for a ray that leaves the sphere from next to its surface, the far
+        // root is a difference that may cancel. Written so that a NaN is left to the exact
+        // evaluation.
+        let certain = discriminant > grazing
+            && (b <= 0.0 || product > grazing)
+            && product <= FAR * discriminant
+            && r > 0.0;
         if !certain {
             return self.exit_exactly(ray);
         }
