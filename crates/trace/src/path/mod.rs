@@ -149,15 +149,20 @@ impl Path<'_> {
 
     /// Traces the ray, gathers light at its end, and samples the next ray.
     fn step(&mut self) -> Next {
-        let scene = self.context.scene;
-        self.arrived.rays += 1;
+        let Context { scene, bounces, facts, .. } = *self.context;
         // A ray inside of a solid that scatters is traced to the next event only, which is often
         // near compared with the other side of the solid.
         let event = self.media.innermost().filter(|medium| medium.scatters()).map(|medium| {
             let [channel, u, ..] = self.numbers(2);
             (*medium, medium.sample(channel, u))
         });
+        let is_walled = event.is_some_and(|(medium, _)| medium.walled);
+        if self.segment == bounces && is_walled && !facts.lit_inside {
+            // The last segment can end at the wall at best, where nothing emits.
+            return Next::End;
+        }
         self.ray.t_max = event.map_or(f32::INFINITY, |(_, distance)| distance);
+        self.arrived.rays += 1;
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
         let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
@@ -190,7 +195,7 @@ impl Path<'_> {
         }
         self.arrived.covered = true;
         self.gather_emission(hit, material.emission);
-        if self.segment == self.context.bounces {
+        if self.segment == bounces {
             return Next::End;
         }
         if material.kind == MaterialKind::Volumetric {
