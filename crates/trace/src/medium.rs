@@ -43,26 +43,31 @@ impl Medium {
         self.albedo != Vec3::ZERO
     }
 
+    /// Returns the transmittance over a length, by the Beer-Lambert law.
+    fn transmittance(&self, length: f32) -> Vec3 {
+        // An infinite length times an extinction of zero would be NaN.
+        (-length.min(f32::MAX) * self.extinction).exp()
+    }
+
     /// Samples the distance to the next scattering event, infinite where there is none.
     ///
     /// `channel` picks the channel whose extinction is sampled, `u` the distance; the density is
     /// the mean over the three channels.
     pub(crate) fn sample(&self, channel: f32, u: f32) -> f32 {
         let drawn = self.extinction[((channel * 3.0) as usize).min(2)];
-        // The minimum of a NaN, for an extinction of zero and `u` of zero, is infinite.
-        (-(-u).ln_1p() / drawn).min(f32::INFINITY)
+        if drawn > 0.0 { -(-u).ln_1p() / drawn } else { f32::INFINITY }
     }
 
     /// Returns the factor of the throughput of a path that scatters after a sampled distance.
     pub(crate) fn scattered(&self, distance: f32) -> Vec3 {
-        let remains = (-distance * self.extinction).exp();
+        let remains = self.transmittance(distance);
         self.albedo * self.extinction * remains / mean(self.extinction * remains)
     }
 
-    /// Returns the factor of the throughput of a path that passes `length`, since the sampled
-    /// distance is not less.
+    /// Returns the factor of the throughput of a path that passes `length`, which may be infinite,
+    /// since the sampled distance is not less.
     pub(crate) fn passed(&self, length: f32) -> Vec3 {
-        let remains = (-length * self.extinction).exp();
+        let remains = self.transmittance(length);
         // The transmittance of every channel may underflow: then nothing is transmitted.
         let probability = mean(remains);
         if probability > 0.0 { remains / probability } else { Vec3::ZERO }
@@ -133,7 +138,15 @@ impl Media {
 
     /// Returns the transmittance over a distance, by the Beer-Lambert law.
     pub(crate) fn transmittance(&self, distance: f32) -> Vec3 {
-        self.innermost().map_or(Vec3::ONE, |medium| (-distance * medium.extinction).exp())
+        self.innermost().map_or(Vec3::ONE, |medium| medium.transmittance(distance))
+    }
+
+    /// Returns the transmittance of a ray that meets no further surface. A solid that scatters and
+    /// is open there has no end; one that only absorbs ends where the ray has left its surface, so
+    /// that a single sheet may be the surface of a lake.
+    pub(crate) fn transmittance_to_sky(&self) -> Vec3 {
+        let medium = self.innermost().filter(|medium| medium.scatters());
+        medium.map_or(Vec3::ONE, |medium| medium.transmittance(f32::INFINITY))
     }
 }
 

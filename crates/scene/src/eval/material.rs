@@ -87,7 +87,8 @@ fn point(
         MaterialKind::Refractive | MaterialKind::Volumetric => {
             // White light that travels `trdepth` is attenuated to `color`.
             let remains = color.clamp(Vec3::splat(1e-4), Vec3::ONE);
-            (smooth_below_least(alpha), -remains.map(f32::ln) / material.trdepth)
+            // Zero and not minus zero, of which one over it would be minus infinity, for white.
+            (smooth_below_least(alpha), (Vec3::ZERO - remains.map(f32::ln)) / material.trdepth)
         }
     };
     MaterialPoint {

@@ -167,11 +167,12 @@ impl Path<'_> {
         // store-to-load forwarding.
         let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
         let Some(hit) = &found else {
-            if let Some((medium, distance)) = event
-                && distance < f32::INFINITY
-            {
-                self.throughput *= medium.scattered(distance);
-                return self.scatter_inside(&medium, self.ray.at(distance));
+            if let Some((medium, distance)) = event {
+                if distance < f32::INFINITY {
+                    self.throughput *= medium.scattered(distance);
+                    return self.scatter_inside(&medium, self.ray.at(distance));
+                }
+                self.throughput *= medium.passed(distance);
             }
             self.gather_environment();
             return Next::End;
