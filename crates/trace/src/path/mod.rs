@@ -153,24 +153,24 @@ impl Path<'_> {
         // A ray inside of a solid that scatters is traced to the next event only, which is often
         // near compared with the other side of the solid.
         let event = self.media.innermost().filter(|medium| medium.scatters()).map(|medium| {
-            let [channel, u, ..] = self.numbers(2);
-            (*medium, medium.sample(channel, u))
+            let [of_light, of_direction, [channel, u, ..]] = self.sampler.sets(self.first_set());
+            (*medium, medium.sample(channel, u), [of_light, of_direction])
         });
-        let is_walled = event.is_some_and(|(medium, _)| medium.walled);
+        let is_walled = event.is_some_and(|(medium, ..)| medium.walled);
         if self.segment == bounces && is_walled && !facts.lit_inside {
             // The last segment can end at the wall at best, where nothing emits.
             return Next::End;
         }
-        self.ray.t_max = event.map_or(f32::INFINITY, |(_, distance)| distance);
+        self.ray.t_max = event.map_or(f32::INFINITY, |(_, distance, _)| distance);
         self.arrived.rays += 1;
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
         let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
         let Some(hit) = &found else {
-            if let Some((medium, distance)) = event {
+            if let Some((medium, distance, numbers)) = event {
                 if distance < f32::INFINITY {
                     self.throughput *= medium.scattered(distance);
-                    return self.scatter_inside(&medium, self.ray.at(distance));
+                    return self.scatter_inside(&medium, self.ray.at(distance), numbers);
                 }
                 self.throughput *= medium.passed(distance);
             }
@@ -178,7 +178,7 @@ impl Path<'_> {
             return Next::End;
         };
         self.throughput *= match event {
-            Some((medium, _)) => medium.passed(hit.t),
+            Some((medium, ..)) => medium.passed(hit.t),
             None => self.media.transmittance(hit.t),
         };
         let material = scene.eval_material(hit.instance, hit.element, hit.uv);

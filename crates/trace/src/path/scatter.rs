@@ -55,7 +55,13 @@ impl Path<'_> {
         }
     }
 
-    pub(super) fn scatter_inside(&mut self, medium: &Medium, position: Vec3) -> Next {
+    /// Scatters in a medium. `numbers` are those of the vertex.
+    pub(super) fn scatter_inside(
+        &mut self,
+        medium: &Medium,
+        position: Vec3,
+        [of_light, [x, y, _, roulette]]: [[f32; 4]; 2],
+    ) -> Next {
         self.arrived.covered = true;
         if self.segment == self.context.bounces {
             return Next::End;
@@ -65,7 +71,6 @@ impl Path<'_> {
         let receiver = Receiver { position, normal: None };
         // The refracting wall blocks direct illumination from outside.
         let lit = !medium.walled || self.context.facts.lit_inside;
-        let [of_light, [x, y, _, roulette]] = self.numbers_of_vertex();
         if lit {
             let departure = Departure::Inside(position);
             self.gather_light(&receiver, &departure, None, of_light, |incoming| {
