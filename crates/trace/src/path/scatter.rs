@@ -55,18 +55,24 @@ impl Path<'_> {
         }
     }
 
-    /// Scatters in a medium. `numbers` are those of the vertex.
+    /// Scatters in a medium after a distance, with the numbers of a vertex.
     pub(super) fn scatter_inside(
         &mut self,
         medium: &Medium,
-        position: Vec3,
-        [of_light, [x, y, _, roulette]]: [[f32; 4]; 2],
+        distance: f32,
+        [of_light, [x, y, chance, roulette]]: [[f32; 4]; 2],
     ) -> Next {
         self.arrived.covered = true;
         if self.segment == self.context.bounces {
             return Next::End;
         }
-        let outgoing = -self.ray.direction;
+        let factor = medium.scattered(distance);
+        let survival = if self.part { factor.max_element().min(1.0) } else { 1.0 };
+        if chance >= survival {
+            return Next::End;
+        }
+        self.throughput *= factor / survival;
+        let (position, outgoing) = (self.ray.at(distance), -self.ray.direction);
         let g = medium.anisotropy;
         let receiver = Receiver { position, normal: None };
         // The refracting wall blocks direct illumination from outside.
