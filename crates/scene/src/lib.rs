@@ -81,6 +81,7 @@
 //! geometry, trees and colour conversions, `glam` and `rayon` alone.
 
 mod camera;
+mod closed;
 #[cfg(feature = "load")]
 mod direction_color;
 mod environment;

@@ -33,6 +33,8 @@ pub(crate) struct Facts {
     pub(crate) opaque: bool,
     /// Something may emit inside of a solid that scatters.
     pub(crate) lit_inside: bool,
+    /// Rays inside of solids and clouds that scatter always meet their surface.
+    pub(crate) closed: bool,
 }
 
 /// Radiance that a camera ray finds.
@@ -85,7 +87,16 @@ impl<'a> Context<'a> {
 
 impl Facts {
     pub(crate) fn new(scene: &Scene) -> Self {
-        Self { opaque: is_opaque(scene), lit_inside: is_lit_inside(scene) }
+        Self {
+            opaque: is_opaque(scene),
+            lit_inside: is_lit_inside(scene),
+            closed: is_closed(scene),
+        }
+    }
+
+    /// Returns the facts after the methods of shapes have changed.
+    pub(crate) fn after_methods(self, scene: &Scene) -> Self {
+        Self { closed: is_closed(scene), ..self }
     }
 }
 
@@ -96,6 +107,23 @@ fn is_opaque(scene: &Scene) -> bool {
     };
     (0..).zip(&scene.materials).all(is_opaque)
         && scene.shapes.iter().all(|shape| shape.colors.iter().all(|color| color.w >= 1.0))
+}
+
+/// True if rays inside of all solids and clouds that scatter always meet their surface.
+fn is_closed(scene: &Scene) -> bool {
+    let scatters = |instance: &&Instance| {
+        let Material { kind, albedo, .. } = scene.materials[instance.material as usize];
+        [MaterialKind::Refractive, MaterialKind::Volumetric].contains(&kind) && albedo != Vec3::ZERO
+    };
+    let solids = || scene.instances.iter().filter(scatters);
+    // A surface that lets rays go straight through does not take them out of the solid.
+    let is_there = |instance: &Instance| scene.material_is_opaque(instance.material);
+    let mut shapes: Vec<u32> = solids().map(|instance| instance.shape).collect();
+    shapes.sort_unstable();
+    shapes.dedup();
+    let mut shapes = shapes.iter().map(|&index| &scene.shapes[index as usize]);
+    solids().all(is_there)
+        && shapes.all(|shape| shape.colors.iter().all(|color| color.w >= 1.0) && shape.is_closed())
 }
 
 /// False only if nothing emits inside of the solids that scatter.

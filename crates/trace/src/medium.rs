@@ -45,8 +45,7 @@ impl Medium {
 
     /// Returns the transmittance over a length, by the Beer-Lambert law.
     fn transmittance(&self, length: f32) -> Vec3 {
-        // An infinite length times an extinction of zero would be NaN.
-        (-length.min(f32::MAX) * self.extinction).exp()
+        (-length * self.extinction).exp()
     }
 
     /// Samples the distance to the next scattering event, infinite where there is none.
@@ -64,8 +63,8 @@ impl Medium {
         self.albedo * self.extinction * remains / mean(self.extinction * remains)
     }
 
-    /// Returns the factor of the throughput of a path that passes `length`, which may be infinite,
-    /// since the sampled distance is not less.
+    /// Returns the factor of the throughput of a path that passes `length`, since the sampled
+    /// distance is not less.
     pub(crate) fn passed(&self, length: f32) -> Vec3 {
         let remains = self.transmittance(length);
         // The transmittance of every channel may underflow: then nothing is transmitted.
@@ -139,14 +138,6 @@ impl Media {
     /// Returns the transmittance over a distance, by the Beer-Lambert law.
     pub(crate) fn transmittance(&self, distance: f32) -> Vec3 {
         self.innermost().map_or(Vec3::ONE, |medium| medium.transmittance(distance))
-    }
-
-    /// Returns the transmittance of a ray that meets no further surface. A solid that scatters and
-    /// is open there has no end; one that only absorbs ends where the ray has left its surface, so
-    /// that a single sheet may be the surface of a lake.
-    pub(crate) fn transmittance_to_sky(&self) -> Vec3 {
-        let medium = self.innermost().filter(|medium| medium.scatters());
-        medium.map_or(Vec3::ONE, |medium| medium.transmittance(f32::INFINITY))
     }
 }
 

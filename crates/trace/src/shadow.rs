@@ -56,9 +56,9 @@ impl Context<'_> {
             (Some(source), Some(end)) => source.shadow_ray(end, origin),
             _ => Ray::new(origin, incoming),
         };
-        // Transmittance of the last piece of the ray.
+        // Transmittance of the last piece of the ray. An infinite piece is not inside of a medium.
         let last_piece = |media: &Media, origin: Vec3| match end {
-            None => media.transmittance_to_sky(),
+            None => Vec3::ONE,
             Some(end) => media.transmittance(end.distance(origin)),
         };
         let (origin, mut left) = match departure {

@@ -79,6 +79,7 @@ impl Stage {
             return;
         }
         self.near = Arc::default();
+        self.facts = self.facts.after_methods(&self.scene);
         let matters = self.scene.instances.iter().any(|instance| {
             let material = &self.scene.materials[instance.material as usize];
             let sampled = material.emission != Vec3::ZERO || casts(material);

@@ -1,11 +1,10 @@
 //! Solids that scatter, against the theory of radiative transfer.
 
-mod support;
-
 use glam::Vec3;
-use rotund_scene::{Camera, Environment, Instance, Material, MaterialKind, Pixels, Scene, Texture};
+use rotund_scene::{
+    Camera, Environment, Instance, Material, MaterialKind, Pixels, Scene, Shape, Texture,
+};
 use rotund_trace::{Options, World};
-use support::quad;
 
 /// Returns the sky, as wide as the world, of a texture of one row for each element: from the zenith
 /// to the nadir.
@@ -25,15 +24,22 @@ fn sky(scene: &mut Scene, rows: &[f32]) {
     });
 }
 
-/// Returns a cloud that fills all below `y = 0`, of one free path per meter, seen from above.
-fn endless_cloud(albedo: f32) -> Scene {
-    endless(Vec3::splat((-1.0_f32).exp()), albedo)
+/// Returns a cloud of one free path per meter that fills nearly all below `y = 0`, seen from above.
+fn deep_cloud(albedo: f32) -> Scene {
+    deep(Vec3::splat((-1.0_f32).exp()), albedo)
 }
 
 /// Returns one of this transmittance of a meter.
-fn endless(color: Vec3, albedo: f32) -> Scene {
+fn deep(color: Vec3, albedo: f32) -> Scene {
     const FAR: f32 = 1e3;
-    let top = quad([[-FAR, 0.0, FAR], [FAR, 0.0, FAR], [FAR, 0.0, -FAR], [-FAR, 0.0, -FAR]]);
+    let corner = |i: u32| {
+        let side = |bit: u32| if i & bit == 0 { -FAR } else { FAR };
+        Vec3::new(side(1), side(2) - FAR, side(4))
+    };
+    let faces =
+        [[2, 6, 7, 3], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let top = Shape::quads((0..8).map(corner).collect::<Vec<_>>(), faces);
+    assert!(top.is_closed());
     let material = Material {
         kind: MaterialKind::Volumetric,
         color,
@@ -86,9 +92,9 @@ fn h_at_normal_incidence(albedo: f64) -> f64 {
 }
 
 #[test]
-fn an_endless_cloud_reflects_a_uniform_sky_as_theory_says() {
+fn a_deep_cloud_reflects_a_uniform_sky_as_theory_says() {
     for albedo in [0.3, 0.8] {
-        let mut scene = endless_cloud(albedo);
+        let mut scene = deep_cloud(albedo);
         sky(&mut scene, &[1.0; 8]);
         let albedo = f64::from(albedo);
         let expected = 1.0 - h_at_normal_incidence(albedo) * (1.0 - albedo).sqrt();
@@ -98,15 +104,15 @@ fn an_endless_cloud_reflects_a_uniform_sky_as_theory_says() {
 }
 
 #[test]
-fn no_light_comes_through_an_endless_cloud() {
-    let mut scene = endless_cloud(0.8);
+fn no_light_comes_through_a_deep_cloud() {
+    let mut scene = deep_cloud(0.8);
     sky(&mut scene, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.0, 0.0]);
     assert_eq!(brightness(&scene), 0.0);
 }
 
 #[test]
 fn a_cloud_without_extinction_in_one_channel_shows_the_sky_behind_in_it() {
-    let mut scene = endless(Vec3::new(0.5, 0.5, 1.0), 0.0);
+    let mut scene = deep(Vec3::new(0.5, 0.5, 1.0), 0.0);
     scene.materials[0].albedo = Vec3::new(0.5, 0.5, 0.0);
     // Aslant, since the nadir shows the row of the zenith.
     let aslant = Camera::look_at(5.0 * Vec3::Y, 3.0 * Vec3::X, Vec3::Y);

@@ -156,15 +156,19 @@ impl<'a> LightPath<'a> {
     /// Traces the ray, connects its end to the camera, and samples the next ray; `None` at the end
     /// of the path.
     fn step(&mut self, add: &mut impl FnMut(Splat)) -> Option<()> {
-        let Context { scene, trees, lights, bounces, .. } = *self.context;
+        let Context { scene, trees, lights, facts, bounces, .. } = *self.context;
         self.rays += 1;
         let medium = self.media.innermost().filter(|medium| medium.scatters());
-        // A light path ends where it scatters in a solid.
-        self.ray.t_max = medium.map_or(f32::INFINITY, |medium| {
+        let distance = medium.map_or(f32::INFINITY, |medium| {
             let [channel, u, ..] = self.numbers(1);
             medium.sample(channel, u)
         });
+        self.ray.t_max = if facts.closed { distance } else { f32::INFINITY };
         let hit = trees.closest_after(scene, &self.ray, self.left)?;
+        // A light path ends where it scatters in a solid.
+        if distance < hit.t {
+            return None;
+        }
         self.throughput *= match medium {
             Some(medium) => medium.passed(hit.t),
             None => self.media.transmittance(hit.t),

@@ -152,29 +152,30 @@ impl Path<'_> {
     /// Traces the ray, gathers light at its end, and samples the next ray.
     fn step(&mut self) -> Next {
         let Context { scene, bounces, facts, .. } = *self.context;
-        // A ray inside of a solid that scatters is traced to the next event only, which is often
-        // near compared with the other side of the solid.
         let event = self.media.innermost().filter(|medium| medium.scatters()).map(|medium| {
             let [of_light, of_direction, [channel, u, ..]] = self.sampler.sets(self.first_set());
             (*medium, medium.sample(channel, u), [of_light, of_direction])
         });
-        let is_walled = event.is_some_and(|(medium, ..)| medium.walled);
+        let closed = event.as_ref().filter(|_| facts.closed);
+        let is_walled = closed.is_some_and(|(medium, ..)| medium.walled);
         if self.segment == bounces && is_walled && !facts.lit_inside {
             // The last segment can end at the wall at best, where nothing emits.
             return Next::End;
         }
-        self.ray.t_max = event.map_or(f32::INFINITY, |(_, distance, _)| distance);
+        // A ray inside of a solid is traced to the next event only, which is often near compared
+        // with the other side of the solid.
+        let limit = closed.map_or(f32::INFINITY, |&(_, distance, _)| distance);
+        self.ray.t_max = limit;
         self.arrived.rays += 1;
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
         let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
+        if let Some((medium, distance, numbers)) = event
+            && found.as_ref().map_or(limit < f32::INFINITY, |hit| distance < hit.t)
+        {
+            return self.scatter_inside(&medium, distance, numbers);
+        }
         let Some(hit) = &found else {
-            if let Some((medium, distance, numbers)) = event {
-                if distance < f32::INFINITY {
-                    return self.scatter_inside(&medium, distance, numbers);
-                }
-                self.throughput *= medium.passed(distance);
-            }
             self.gather_environment();
             return Next::End;
         };
