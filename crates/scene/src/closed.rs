@@ -22,9 +22,11 @@ impl Shape {
         match &self.elements {
             Elements::Points(_) | Elements::Lines(_) => return self.method == Method::Enhanced,
             Elements::Triangles(faces) => {
-                faces.iter().for_each(|face| surface.add(face.map(corner)))
+                faces.iter().for_each(|face| surface.add(face.map(corner)));
             }
-            Elements::Quads(faces) => faces.iter().for_each(|face| surface.add(face.map(corner))),
+            Elements::Quads(faces) => {
+                faces.iter().for_each(|face| surface.add(face.map(corner)));
+            }
         }
         surface.edges == 0 && surface.volume > 0.0
     }
