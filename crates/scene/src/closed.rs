@@ -66,7 +66,8 @@ fn hash(from: u64, to: u64) -> u64 {
     mix(from.wrapping_mul(3).wrapping_add(to))
 }
 
-/// One step of SplitMix64; see `rotund_trace::Sampler`.
+/// One step of SplitMix64 (G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number
+/// generators", OOPSLA 2014).
 fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 use rotund_scene::{
-    Camera, Environment, Instance, Material, MaterialKind, Pixels, Scene, Shape, Texture,
+    Camera, ElementKind, Environment, Instance, Material, MaterialKind, Method, Pixels, Scene,
+    Shape, Texture,
 };
-use rotund_trace::{Options, World};
+use rotund_trace::{Options, Stage, World};
 
 /// Returns the sky, as wide as the world, of a texture of one row for each element: from the zenith
 /// to the nadir.
@@ -126,4 +127,20 @@ fn a_cloud_without_extinction_in_one_channel_shows_the_sky_behind_in_it() {
     };
     assert_eq!([mean(0), mean(1)], [0.0; 2]);
     assert!((mean(2) - 1.0).abs() < 0.02, "{}", mean(2));
+}
+
+/// A disc is open, so that rays inside of it must not be traced as those of a ball are.
+#[test]
+fn a_cloud_whose_method_changes_looks_like_a_new_scene() {
+    let mut scene = deep_cloud(0.5);
+    scene.shapes = vec![Shape::points([-2.0 * Vec3::Y], 2.0)];
+    sky(&mut scene, &[1.0; 8]);
+    let options = Options { width: 16, height: 16, samples: 4, ..Options::default() };
+    let mut stage = Stage::new(scene.clone()).expect("a valid scene");
+    for method in [Method::Vanilla, Method::Enhanced] {
+        scene.set_method(ElementKind::Points, method);
+        stage.set_method(ElementKind::Points, method);
+        let expected = World::new(&scene).expect("a valid scene").render(0, &options);
+        assert_eq!(stage.world().render(0, &options), expected, "{method}");
+    }
 }
