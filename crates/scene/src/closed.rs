@@ -2,6 +2,7 @@
 
 use crate::{Elements, Method, Shape};
 use glam::{DVec3, Vec3};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 impl Shape {
     /// Returns true if the surface encloses a volume and faces outwards, so that every ray from
@@ -10,7 +11,8 @@ impl Shape {
     /// Exact spheres and rounded cones do, vanilla discs and ribbons do not. Triangles and quads do
     /// if each edge of a face is, in the other direction, one of another face, and the volume is
     /// positive. Vertices are compared by position, since those at seams of texture coordinates are
-    /// there twice. The edges are compared by sums of hashes of 64 bits, which takes no memory.
+    /// there twice. The edges are compared by sums of hashes of 64 bits, which takes no memory; two
+    /// sums are equal by chance once in 2⁶⁴.
     ///
     /// # Panics
     ///
@@ -44,9 +46,8 @@ struct Surface {
 impl Surface {
     /// Adds a face, which may repeat a corner.
     fn add<const N: usize>(&mut self, corners: [Vec3; N]) {
-        let keys = corners.map(key);
         for corner in 0..N {
-            let (from, to) = (keys[corner], keys[(corner + 1) % N]);
+            let (from, to) = (corners[corner], corners[(corner + 1) % N]);
             self.edges = self.edges.wrapping_add(hash(from, to)).wrapping_sub(hash(to, from));
         }
         let corners = corners.map(Vec3::as_dvec3);
@@ -55,24 +56,12 @@ impl Surface {
     }
 }
 
-/// Returns a hash of a position, the same for zeros of both signs.
-fn key(position: Vec3) -> u64 {
-    let [x, y, z] = (position + Vec3::ZERO).to_array().map(|c| u64::from(c.to_bits()));
-    mix(mix(x | y << 32) ^ z)
-}
-
-/// Returns a hash of an edge.
-fn hash(from: u64, to: u64) -> u64 {
-    mix(from.wrapping_mul(3).wrapping_add(to))
-}
-
-/// One step of SplitMix64 (G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number
-/// generators", OOPSLA 2014).
-fn mix(x: u64) -> u64 {
-    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ x >> 31
+/// Returns a hash of an edge. Zeros of both signs are the same.
+fn hash(from: Vec3, to: Vec3) -> u64 {
+    let bits = |position: Vec3| (position + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut hasher = DefaultHasher::new();
+    (bits(from), bits(to)).hash(&mut hasher);
+    hasher.finish()
 }
 
 #[cfg(test)]

@@ -7,8 +7,7 @@ use rotund_scene::{
 };
 use rotund_trace::{Options, Stage, World};
 
-/// Returns the sky, as wide as the world, of a texture of one row for each element: from the zenith
-/// to the nadir.
+/// Adds a sky with one row of its texture for each radiance, from the zenith down.
 fn sky(scene: &mut Scene, rows: &[f32]) {
     let pixels = rows.iter().flat_map(|&row| [[row, row, row, 1.0]; 2]).collect();
     scene.textures.push(Texture {
