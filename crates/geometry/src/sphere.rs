@@ -91,12 +91,15 @@ impl Solve for Sphere {
         let f = o - c;
         let w = f.cross(d);
         let a = d.dot(d);
-        let square = a * (r * r);
+        // Negative if the radius is; then the ray misses.
+        let square = a * (r * r.abs());
         let discriminant = square - w.dot(w);
         let grazing = CANCELLATION * square;
-        // Written so that a NaN fails.
-        if !(discriminant >= -grazing && r > 0.0) {
-            return Filtered::Miss;
+        // A NaN is not certain and does not graze. With a radius of zero, a ray grazes.
+        let certain = discriminant > grazing;
+        if !certain {
+            let grazes = discriminant >= -grazing;
+            return if grazes { Filtered::Uncertain } else { Filtered::Miss };
         }
         // One division gives both reciprocals, and overlaps with the square root.
         let inverse = (a * r).recip();
@@ -104,9 +107,9 @@ impl Solve for Sphere {
         let b = f.dot(d);
         let root = discriminant.sqrt();
         // The ends of the chord, the part of the line inside the ball.
-        let (near, far) = (-b - root, -b + root);
+        let (near, far) = (-b - root, root - b);
         let product = (near * far).abs();
-        if (discriminant <= grazing) | (product <= grazing) | (product > FAR * discriminant) {
+        if (product <= grazing) | (product > FAR * discriminant) {
             return Filtered::Uncertain;
         }
         let (near, far) = (near * over_a, far * over_a);
@@ -142,11 +145,12 @@ impl Solve for Sphere {
 
     #[inline(always)]
     fn hit(&self, _: &Ray, Root { t, from_center, normal }: Root) -> Hit {
-        let position = round(self.center.as_dvec3() + from_center);
+        let (center, radius) = widen::ball(self.center, self.radius);
+        let position = round(center + from_center);
         Hit {
             t,
             position,
-            error: error(position, off_sphere(f64::from(self.radius), normal)),
+            error: error(position, off_sphere(radius, normal)),
             normal: round(normal),
             parameters: Vec2::ZERO,
         }
