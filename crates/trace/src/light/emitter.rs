@@ -1,6 +1,7 @@
 //! One element of an emissive instance.
 
 use super::flat::{self, SurfacePoint};
+use super::owners::Owners;
 use super::rectangle::Rectangle;
 use super::round::{Ball, Cone, Density, RoundPoint};
 use super::spherical_triangle::SphericalTriangle;
@@ -62,8 +63,8 @@ enum Surface {
 }
 
 /// Returns emitters for all elements of an instance, in order, or `None` if its material does not
-/// emit.
-pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
+/// emit. `owners` has those of the instances before.
+pub(super) fn of_instance(scene: &Scene, index: u32, owners: &mut Owners) -> Option<Vec<Emitter>> {
     let instance = &scene.instances[index as usize];
     let material = &scene.materials[instance.material as usize];
     if material.emission.max_element() <= 0.0 {
@@ -72,8 +73,8 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
     let shape = &scene.shapes[instance.shape as usize];
     let varies =
         material.emission_tex.is_some() || material.color_tex.is_some() || !shape.colors.is_empty();
-    let emitter = |element: u32| {
-        let surface = surface(shape, instance, element as usize);
+    let mut emitter = |element: u32| {
+        let surface = unowned_surface(shape, instance, element as usize, owners);
         let mut emitter = Emitter::dark(surface, index, element);
         let area = emitter.area();
         if area > 0.0 && area.is_finite() {
@@ -83,7 +84,7 @@ pub(super) fn of_instance(scene: &Scene, index: u32) -> Option<Vec<Emitter>> {
         }
         emitter
     };
-    let mut emitters: Vec<_> = (0..shape.elements.count() as u32).map(emitter).collect();
+    let mut emitters: Vec<_> = (0..shape.elements.count() as u32).map(&mut emitter).collect();
     for second in 1..emitters.len() {
         let [a, b] = &mut emitters[second - 1..=second] else { continue };
         a.join(b);
@@ -134,6 +135,32 @@ fn surface(shape: &Shape, instance: &Instance, element: usize) -> Surface {
                 None => Surface::Ball(balls[1]),
             }
         }),
+    }
+}
+
+/// Returns the part of a surface that no emitter has yet, and records it.
+fn unowned_surface(
+    shape: &Shape,
+    instance: &Instance,
+    element: usize,
+    owners: &mut Owners,
+) -> Surface {
+    let corner =
+        |vertex: u32| instance.world_from_object.transform_point3(shape.positions[vertex as usize]);
+    let is_first = match &shape.elements {
+        Elements::Triangles(faces) => owners.take_face(faces[element].map(corner)),
+        Elements::Quads(faces) => owners.take_face(faces[element].map(corner)),
+        Elements::Points(_) | Elements::Lines(_) => true,
+    };
+    match surface(shape, instance, element) {
+        _ if !is_first => Surface::None,
+        Surface::Ball(ball) if !owners.take_ball(&ball) => Surface::None,
+        Surface::Cone(cone) => {
+            let caps = cone.balls.each_ref().map(|ball| owners.take_ball(ball));
+            let is_first = owners.take_line(&cone.balls);
+            if is_first { Surface::Cone(cone.with_caps(caps)) } else { Surface::None }
+        }
+        surface => surface,
     }
 }
 

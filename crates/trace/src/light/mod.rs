@@ -7,6 +7,7 @@ mod flat;
 mod lens;
 mod lenses;
 mod mosaic;
+mod owners;
 mod rectangle;
 mod round;
 mod spherical_triangle;
@@ -20,6 +21,7 @@ use environment::EnvironmentLights;
 use glam::{Vec2, Vec3};
 pub(crate) use lens::{Beam, Crossing, End};
 use lenses::Lenses;
+use owners::Owners;
 use rotund_geometry::{Ray, UNIT_ROUNDOFF, leave_surface};
 use rotund_scene::{Instance, Scene, SceneError, SceneHit, SceneItem, Trees};
 pub use tree::Receiver;
@@ -162,6 +164,9 @@ impl Lights {
     /// constant environments. BSDF sampling finds them with MIS weight 1, so the estimator stays
     /// unbiased.
     ///
+    /// A surface that several elements have, such as the ball between two lines, is sampled as part
+    /// of the first of them, which is the one that rays hit.
+    ///
     /// # Errors
     ///
     /// If [`Scene::validate`] refuses the scene.
@@ -172,15 +177,16 @@ impl Lights {
 
     /// [`Self::build`] for a scene that has been validated.
     pub(crate) fn of_valid(scene: &Scene) -> Self {
-        let mut emitters = Vec::new();
+        let (mut emitters, mut owners) = (Vec::new(), Owners::default());
         let first_emitter = (0..scene.instances.len())
             .map(|instance| {
-                let of_instance = emitter::of_instance(scene, instance as u32)?;
+                let of_instance = emitter::of_instance(scene, instance as u32, &mut owners)?;
                 let first = emitters.len() as u32;
                 emitters.extend(of_instance);
                 Some(first)
             })
             .collect();
+        drop(owners);
         let extents: Vec<Extent> = emitters.iter().map(Emitter::extent).collect();
         let mut lights = Self {
             tree: LightTree::new(&extents),

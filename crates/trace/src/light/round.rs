@@ -87,6 +87,8 @@ pub(super) struct Cone {
     /// Sine of the angle between the normals of the flank and the plane perpendicular to the axis.
     sine: f32,
     cosine: f32,
+    /// Whether the caps are sampled.
+    caps: [bool; 2],
 }
 
 /// The parts of a cone's surface.
@@ -109,15 +111,22 @@ impl Cone {
             length,
             sine,
             cosine: ((1.0 - sine) * (1.0 + sine)).sqrt(),
+            caps: [true; 2],
         })
     }
 
-    /// Returns the areas of both caps and the flank.
+    /// Returns the cone with only these caps sampled.
+    pub(super) fn with_caps(self, caps: [bool; 2]) -> Self {
+        Self { caps, ..self }
+    }
+
+    /// Returns the areas of both caps and the flank; zero for caps that are not sampled.
     fn areas(&self) -> [f32; 3] {
         let [r0, r1] = self.balls.map(|ball| ball.radius);
+        let of_cap = |index: usize, area: f32| if self.caps[index] { area } else { 0.0 };
         [
-            TAU * r0 * r0 * (1.0 + self.sine),
-            TAU * r1 * r1 * (1.0 - self.sine),
+            of_cap(0, TAU * r0 * r0 * (1.0 + self.sine)),
+            of_cap(1, TAU * r1 * r1 * (1.0 - self.sine)),
             // Mean circumference times slant height; both have the cosine as a factor.
             PI * (r0 + r1) * self.cosine * self.length * self.cosine,
         ]
@@ -180,6 +189,9 @@ impl Cone {
         }
         let areas = self.visible_areas(from);
         let sum: f32 = areas.iter().sum();
+        if sum <= 0.0 {
+            return Density::Area(0.0);
+        }
         match self.part_at(position) {
             Part::Cap(index) => match self.balls[index].density(from) {
                 Density::Area(pdf) => Density::Area(areas[index] / sum * pdf),
@@ -192,11 +204,14 @@ impl Cone {
 
     /// Samples a point: uniformly over the visible flank, or over the directions to the ball of a
     /// cap. Returns `None` if the point of that ball does not belong to its cap, and is inside of
-    /// the cone.
+    /// the cone, or if only caps could be visible and none is sampled.
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<RoundPoint> {
         let inside = self.holds(from);
         let areas = if inside { self.areas() } else { self.visible_areas(from) };
         let sum: f32 = areas.iter().sum();
+        if sum <= 0.0 {
+            return None;
+        }
         let place = u.x * sum;
         let rest = |before: f32, area: f32| {
             Vec2::new(((place - before) / area).clamp(0.0, 1.0_f32.next_down()), u.y)
@@ -211,7 +226,8 @@ impl Cone {
             let [position, normal] = self.flank(rest(caps, areas[2]), half_range, middle);
             return Some(RoundPoint { position, normal, density: Density::Area(1.0 / sum) });
         }
-        let (index, before) = if place < areas[0] { (0, 0.0) } else { (1, areas[0]) };
+        let is_first = place < areas[0] || areas[1] <= 0.0;
+        let (index, before) = if is_first { (0, 0.0) } else { (1, areas[0]) };
         let u = rest(before, areas[index]);
         if inside {
             let [position, normal] = self.cap(index, u);
