@@ -4,7 +4,9 @@ use crate::sensor::Sensor;
 use crate::{Lights, Options, View};
 use glam::Vec3;
 use rotund_geometry::Aabb;
-use rotund_scene::{Camera, Instance, Material, MaterialKind, Scene, Trees};
+use rotund_scene::{
+    Camera, ElementKind, Instance, Material, MaterialKind, Method, Overlap, Scene, Shape, Trees,
+};
 
 /// The state that all paths of a render share.
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +113,13 @@ fn is_opaque(scene: &Scene) -> bool {
 
 /// True if rays inside of all solids and clouds that scatter always meet their surface.
 fn is_closed(scene: &Scene) -> bool {
+    let is_round =
+        |shape: &Shape| matches!(shape.elements.kind(), ElementKind::Points | ElementKind::Lines);
+    // A ray that meets a vanilla point goes on from its center, which may be outside of a solid
+    // that the ray is inside of.
+    if scene.shapes.iter().any(|shape| is_round(shape) && shape.method == Method::Vanilla) {
+        return false;
+    }
     let scatters = |instance: &&Instance| {
         let Material { kind, albedo, .. } = scene.materials[instance.material as usize];
         [MaterialKind::Refractive, MaterialKind::Volumetric].contains(&kind) && albedo != Vec3::ZERO
@@ -122,8 +131,14 @@ fn is_closed(scene: &Scene) -> bool {
     shapes.sort_unstable();
     shapes.dedup();
     let mut shapes = shapes.iter().map(|&index| &scene.shapes[index as usize]);
+    // Where two lines are separate solids, rays leave both through the ball at their joint, which
+    // they meet once: the path still counts as inside of one of them then.
+    let is_one = |shape: &Shape| {
+        !is_round(shape) || shape.overlap == Overlap::Union || shape.elements.count() == 1
+    };
+    let is_whole = |shape: &Shape| shape.colors.iter().all(|color| color.w >= 1.0);
     solids().all(is_there)
-        && shapes.all(|shape| shape.colors.iter().all(|color| color.w >= 1.0) && shape.is_closed())
+        && shapes.all(|shape| is_whole(shape) && is_one(shape) && shape.is_closed())
 }
 
 /// False only if nothing emits inside of the solids that scatter.

@@ -38,6 +38,11 @@ impl Medium {
         }
     }
 
+    /// Returns true if light passes without loss.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.extinction == Vec3::ZERO
+    }
+
     /// Returns true if light is scattered inside.
     pub(crate) fn scatters(&self) -> bool {
         self.albedo != Vec3::ZERO
@@ -129,10 +134,15 @@ impl Media {
         self.depth == 0
     }
 
+    /// Returns true if light passes all solids around the path without loss.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.solids[..self.depth].iter().all(|(_, medium)| medium.is_clear())
+    }
+
     /// Returns the medium around the path, unless it is empty.
     pub(crate) fn innermost(&self) -> Option<&Medium> {
         let (_, medium) = self.solids[..self.depth].last()?;
-        (medium.extinction != Vec3::ZERO).then_some(medium)
+        (!medium.is_clear()).then_some(medium)
     }
 
     /// Returns the transmittance over a distance, by the Beer-Lambert law.

@@ -87,10 +87,11 @@ impl Context<'_> {
             };
             share *= media.transmittance(sheet.position.distance(ray.origin));
             let material = self.scene.eval_material(sheet.instance, sheet.element, sheet.uv);
-            if material.kind == MaterialKind::Volumetric && borders > 0 {
+            let whole = material.opacity >= 1.0;
+            if material.kind == MaterialKind::Volumetric && whole && borders > 0 {
                 borders -= 1;
                 media.to_mut().cross(&sheet, incoming, Medium::new(&material));
-            } else if material.opacity < 1.0 {
+            } else if !whole {
                 share *= 1.0 - material.opacity;
             } else {
                 return Visible { share: Vec3::ZERO, rays, clouds: false };

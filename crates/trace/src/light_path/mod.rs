@@ -65,6 +65,8 @@ struct LightPath<'a> {
     /// Number of the next vertex, from 1.
     number: u32,
     sheets: u32,
+    /// Number of the vertex before which the path passed the last sheet.
+    sheet_at: u32,
     rays: u64,
 }
 
@@ -148,6 +150,7 @@ impl<'a> LightPath<'a> {
             sampled: 0.0,
             number: 1,
             sheets: 0,
+            sheet_at: 0,
             rays: 0,
         };
         (radiance.max_element() > 0.0).then_some(path)
@@ -160,7 +163,11 @@ impl<'a> LightPath<'a> {
         self.rays += 1;
         let medium = self.media.innermost().filter(|medium| medium.scatters());
         let distance = medium.map_or(f32::INFINITY, |medium| {
-            let [channel, u, ..] = self.numbers(1);
+            let [mut channel, mut u, ..] = self.numbers(1);
+            if self.sheet_at == self.number {
+                // The path has come this far without an event, so its numbers are not free.
+                [_, channel, u, _] = self.sampler.set(SHEET_SETS + self.sheets - 1);
+            }
             medium.sample(channel, u)
         });
         self.ray.t_max = if facts.closed { distance } else { f32::INFINITY };
@@ -182,6 +189,7 @@ impl<'a> LightPath<'a> {
             }
             if chance >= material.opacity {
                 let direction = self.ray.direction;
+                self.sheet_at = self.number;
                 self.ray.origin = hit.spawn(direction).origin;
                 self.left = hit.left_by(direction);
                 return Some(());
@@ -294,6 +302,11 @@ impl<'a> LightPath<'a> {
     /// Adds what a vertex sends to the camera.
     fn connect(&mut self, vertex: &Vertex<'_>, add: &mut impl FnMut(Splat)) {
         let (hit, to_light) = (vertex.hit, -self.ray.direction);
+        // A camera inside of a solid, or behind a wall that is there by chance, sees the vertex as
+        // if nothing were around it.
+        if !self.media.is_clear() {
+            return;
+        }
         let [x, y, ..] = self.numbers(2);
         let Some(seen) = self.sensor.see(hit.position, warp::disk(Vec2::new(x, y))) else { return };
         let (bsdf, normal) = vertex.bsdf(seen.direction);

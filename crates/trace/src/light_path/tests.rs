@@ -236,6 +236,15 @@ fn cases() -> Vec<Case> {
             }),
         ),
         (
+            "balls of dark glass, the walls of which are half there",
+            with(&|scene| {
+                let dark = Material { trdepth: 0.1, opacity: 0.5, ..tinted(0.0) };
+                scene.add(ball([-0.4, 0.6, 0.0], 0.5), dark.clone());
+                scene.add(ball([0.5, 0.6, 0.3], 0.5), dark);
+                lamp(scene, 0.4, 20.0);
+            }),
+        ),
+        (
             "a lamp inside of glass beside a ball of glass",
             with(&|scene| {
                 scene.add(ball([-0.6, 0.7, 0.0], 0.5), material(glass, [1.0; 3], 0.0));

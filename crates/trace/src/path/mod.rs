@@ -13,6 +13,8 @@
 mod lens;
 mod reverse;
 mod scatter;
+#[cfg(test)]
+mod tests;
 
 use crate::context::{Arrived, Context};
 use crate::medium::{Media, Medium};
@@ -71,6 +73,8 @@ struct Path<'a> {
     segment: u32,
     /// Number of surfaces of partial opacity met so far.
     sheets: u32,
+    /// The last segment on which the path passed such a surface.
+    sheet_at: u32,
     /// The path has been split already: it is one of [`PARTS`].
     part: bool,
     /// What light paths that would find this path need to be weighted, unless none would.
@@ -110,6 +114,7 @@ impl Context<'_> {
             media: Media::default(),
             segment: 1,
             sheets: 0,
+            sheet_at: 0,
             part: false,
             reverse: None,
             passage: None,
@@ -153,7 +158,12 @@ impl Path<'_> {
     fn step(&mut self) -> Next {
         let Context { scene, bounces, facts, .. } = *self.context;
         let event = self.media.innermost().filter(|medium| medium.scatters()).map(|medium| {
-            let [of_light, of_direction, [channel, u, ..]] = self.sampler.sets(self.first_set());
+            let [of_light, of_direction, [mut channel, mut u, ..]] =
+                self.sampler.sets(self.first_set());
+            if self.sheet_at == self.segment {
+                // The path has come this far without an event, so its numbers are not free.
+                [_, channel, u, _] = self.sampler.set(SHEET_SETS + self.sheets - 1);
+            }
             (*medium, medium.sample(channel, u), [of_light, of_direction])
         });
         let closed = event.as_ref().filter(|_| facts.closed);
@@ -192,6 +202,7 @@ impl Path<'_> {
             }
             if chance >= material.opacity {
                 self.passage = self.passage.filter(Passage::is_complete);
+                self.sheet_at = self.segment;
                 self.pass(hit);
                 return Next::Segment;
             }
@@ -202,8 +213,10 @@ impl Path<'_> {
             return Next::End;
         }
         if material.kind == MaterialKind::Volumetric {
-            // `origin` stays: light samples pass the borders of clouds as well.
             (self.reverse, self.passage) = (None, None);
+            // Light samples cross whole borders as well, but only pass those that are there by
+            // chance.
+            self.origin = self.origin.filter(|_| material.opacity >= 1.0);
             self.media.cross(hit, self.ray.direction, Medium::new(&material));
             self.pass(hit);
             self.segment += 1;

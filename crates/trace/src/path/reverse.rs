@@ -73,7 +73,11 @@ impl Path<'_> {
         let mut media = self.media;
         let crosses = vertex.hit.normal.dot(self.ray.direction) * vertex.hit.normal.dot(incoming);
         if vertex.material.kind == MaterialKind::Refractive && crosses > 0.0 {
-            media.cross(vertex.hit, incoming, Medium::new(vertex.material));
+            let medium = Medium::new(vertex.material);
+            let known = media.cross_known(vertex.hit, incoming, medium);
+            if known.is_none() && !medium.is_clear() {
+                return Some(0.0);
+            }
         }
         Some(self.found(Some(&reverse), &media, |lights, caster| match lights.hit(light) {
             Some(source) => lights.casters().density(lights, &source, caster),

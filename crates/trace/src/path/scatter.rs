@@ -180,7 +180,11 @@ impl Path<'_> {
                 return Next::End;
             }
             if hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0 {
-                self.media.cross(hit, incoming, medium);
+                let known = self.media.cross_known(hit, incoming, medium);
+                if known.is_none() && !medium.is_clear() {
+                    // A path in the other direction would enter the solid here, and find it dense.
+                    self.reverse = None;
+                }
                 let inside = self.media.innermost();
                 divided = !self.part && inside.is_some_and(|medium| medium.albedo != Vec3::ZERO);
             }
