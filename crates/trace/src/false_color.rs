@@ -7,11 +7,8 @@ use rotund_geometry::{Aabb, Ray, UNIT_ROUNDOFF};
 use rotund_scene::{ElementKind, MaterialPoint, Method, SceneHit};
 
 impl Context<'_> {
-    /// Returns the value of a view along a ray of unit direction.
+    /// Returns the value of a view, of which paths are none, along a ray of unit direction.
     pub(crate) fn look(&self, view: View, ray: Ray, sampler: &Sampler) -> Arrived {
-        if matches!(view, View::Path | View::Furnace) {
-            return self.trace(ray, sampler);
-        }
         let (found, rays) = self.first_surface(ray, sampler);
         if let Some((hit, material)) = &found {
             let radiance = self.color(view, hit, material, -ray.direction);

@@ -1,7 +1,7 @@
 //! Rendering a world into a film.
 
 use crate::context::{Arrived, Context};
-use crate::film::{Film, FilmHeader, FilmSample, Limits, Progress, Splats};
+use crate::film::{Film, FilmHeader, FilmSample, GROUP, Limits, Place, Progress, Splats};
 use crate::{Options, RenderError, Sampler, View, World, camera_ray};
 use rotund_scene::Camera;
 use std::ops::ControlFlow;
@@ -111,13 +111,35 @@ fn take_samples(
         brightest: brightest * (1.0 + 1.0 / 1024.0),
     };
     let context = context.with_light_paths(camera, options);
-    let integrator = |x: u32, y: u32, sample: u32, splats: &mut Splats| {
-        let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
-        let ray = camera_ray(camera, size, [x, y], &sampler);
-        let Arrived { radiance, covered, rays } = context.look(options.view, ray, &sampler);
-        let rays =
-            rays + context.trace_light(options, [x, y, sample], &mut |splat| splats.push(splat));
-        FilmSample { radiance, covered, rays }
+    let is_path = matches!(options.view, View::Path | View::Furnace);
+    let integrator = |places: &[Place], splats: &mut Splats, samples: &mut [FilmSample]| {
+        let start = |&[x, y, sample]: &Place| {
+            let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
+            (sampler, camera_ray(camera, size, [x, y], &sampler))
+        };
+        // The rays of a group are traced in turn before any path goes on: they meet much the same,
+        // and none waits for the one before.
+        let mut starts = [start(&places[0]); GROUP];
+        for (begun, place) in starts.iter_mut().zip(places).skip(1) {
+            *begun = start(place);
+        }
+        let mut found = [const { None }; GROUP];
+        if is_path {
+            for (found, (_, ray)) in found.iter_mut().zip(&starts).take(places.len()) {
+                *found = context.camera_hit(ray);
+            }
+        }
+        let starts = starts.iter().zip(&found);
+        for ((place, out), ((sampler, ray), found)) in places.iter().zip(samples).zip(starts) {
+            let arrived = if is_path {
+                context.trace(*ray, sampler, found)
+            } else {
+                context.look(options.view, *ray, sampler)
+            };
+            let Arrived { radiance, covered, rays } = arrived;
+            let of_light = context.trace_light(options, *place, &mut |splat| splats.push(splat));
+            *out = FilmSample { radiance, covered, rays: rays + of_light };
+        }
     };
     film.take_samples(options.samples, limits, &integrator, progress);
 }

@@ -49,6 +49,23 @@ impl Progress<'_> {
     }
 }
 
+/// Column and row of a pixel, and the index of a sample.
+pub(crate) type Place = [u32; 3];
+
+/// Number of samples that an integrator takes together. From 4 to 16 of them take the same time.
+pub(crate) const GROUP: usize = 8;
+
+/// Returns an integrator of groups of samples that takes each by itself.
+pub(crate) fn one_by_one(
+    integrator: impl Fn(Place, &mut Splats) -> FilmSample + Sync,
+) -> impl Fn(&[Place], &mut Splats, &mut [FilmSample]) + Sync {
+    move |places, splats, samples| {
+        for (&place, sample) in places.iter().zip(samples) {
+            *sample = integrator(place, splats);
+        }
+    }
+}
+
 /// Light for any pixels, beside that of the sample which found it.
 pub(crate) type Splats = Vec<Splat>;
 
@@ -89,6 +106,42 @@ struct Tally {
     finished: usize,
     /// Those of them that had no more samples than the minimum of the film.
     advanced: usize,
+}
+
+/// Samples that are taken together.
+#[derive(Default)]
+struct Group {
+    places: [Place; GROUP],
+    /// The pixel of each, as an index into a slice.
+    owners: [usize; GROUP],
+    count: usize,
+}
+
+impl Group {
+    fn push(&mut self, place: Place, owner: usize) {
+        (self.places[self.count], self.owners[self.count]) = (place, owner);
+        self.count += 1;
+    }
+
+    /// Takes the samples and adds them to their pixels.
+    fn take(
+        &mut self,
+        integrator: &impl Fn(&[Place], &mut Splats, &mut [FilmSample]),
+        pixels: &mut [PixelSum],
+        tally: &mut Tally,
+        limits: Limits,
+    ) {
+        let count = std::mem::take(&mut self.count);
+        if count == 0 {
+            return;
+        }
+        let mut samples = [FilmSample::default(); GROUP];
+        let samples = &mut samples[..count];
+        integrator(&self.places[..count], &mut tally.splats, samples);
+        for (&owner, sample) in self.owners.iter().zip(samples) {
+            tally.add(&mut pixels[owner], *sample, limits);
+        }
+    }
 }
 
 /// The part of a render that a batch takes.
@@ -141,16 +194,17 @@ impl Film {
         integrator: impl Fn(u32, u32, u32) -> FilmSample + Sync,
         progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
     ) {
-        let alone = |x: u32, y: u32, sample: u32, _: &mut Splats| integrator(x, y, sample);
+        let alone = one_by_one(|[x, y, sample], _| integrator(x, y, sample));
         self.take_samples(samples, Limits::NONE, &alone, progress);
     }
 
-    /// [`Self::accumulate_with`], with a treatment of bright samples.
+    /// [`Self::accumulate_with`], with a treatment of bright samples, and an integrator that takes
+    /// up to [`GROUP`] samples at a time.
     pub(crate) fn take_samples(
         &mut self,
         samples: u32,
         limits: Limits,
-        integrator: &(impl Fn(u32, u32, u32, &mut Splats) -> FilmSample + Sync),
+        integrator: &(impl Fn(&[Place], &mut Splats, &mut [FilmSample]) + Sync),
         progress: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
     ) {
         let start = Instant::now();
@@ -213,29 +267,36 @@ impl Film {
         batch: &Batch,
         shard: Shard,
         limits: Limits,
-        integrator: &(impl Fn(u32, u32, u32, &mut Splats) -> FilmSample + Sync),
+        integrator: &(impl Fn(&[Place], &mut Splats, &mut [FilmSample]) + Sync),
     ) -> Tally {
         let (width, minimum) = (self.header.width as usize, self.header.samples);
         let run = |(index, pixels): (usize, &mut [PixelSum])| {
             let mut tally = Tally::default();
-            for (pixel, sum) in (index * batch.run..).zip(pixels) {
+            let mut group = Group::default();
+            let mut first = index * batch.run;
+            for pixels in pixels.chunks_mut(batch.stride) {
                 // The first pixels are always taken, so that a batch cannot end without a sample.
-                let looks = pixel > 0 && pixel % batch.stride == 0;
-                if looks && Schedule::is_over(batch.start.elapsed()) {
+                if first > 0 && Schedule::is_over(batch.start.elapsed()) {
                     break;
                 }
-                let pixel = batch.pixels.start + pixel;
-                let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
-                if sum.samples >= batch.samples {
-                    continue;
+                for owner in 0..pixels.len() {
+                    let pixel = batch.pixels.start + first + owner;
+                    let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
+                    let taken = pixels[owner].samples;
+                    if taken >= batch.samples {
+                        continue;
+                    }
+                    tally.finished += 1;
+                    tally.advanced += usize::from(taken == minimum);
+                    for sample in taken..batch.samples {
+                        group.push([x, y, shard.sample_index(sample)], owner);
+                        if group.count == GROUP {
+                            group.take(integrator, pixels, &mut tally, limits);
+                        }
+                    }
                 }
-                tally.finished += 1;
-                tally.advanced += usize::from(sum.samples == minimum);
-                while sum.samples < batch.samples {
-                    let index = shard.sample_index(sum.samples);
-                    let sample = integrator(x, y, index, &mut tally.splats);
-                    tally.add(sum, sample, limits);
-                }
+                group.take(integrator, pixels, &mut tally, limits);
+                first += pixels.len();
             }
             tally
         };

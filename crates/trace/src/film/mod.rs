@@ -6,8 +6,10 @@ mod merge;
 mod pixel;
 mod schedule;
 
+#[cfg(test)]
+pub(crate) use accumulate::one_by_one;
 pub use accumulate::{FilmSample, Progress};
-pub(crate) use accumulate::{Limits, Splat, Splats};
+pub(crate) use accumulate::{GROUP, Limits, Place, Splat, Splats};
 pub use header::{FilmHeader, Origin};
 pub use merge::MergeError;
 pub(crate) use pixel::{PixelSum, Sum};
@@ -324,13 +326,13 @@ mod tests {
     fn light_for_other_pixels_is_added_limited_and_counted() {
         let mut film = Film::new(4, 2).expect("a film");
         let limits = Limits { clamp: 4.0, brightest: 2.0 };
-        let sample = |x: u32, y: u32, _: u32, splats: &mut Splats| {
+        let sample = one_by_one(|[x, y, _], splats| {
             // From each pixel to the next one, from the last of a row to the first.
             let image_uv = Vec2::new(((x + 1) % 4) as f32 + 0.5, y as f32 + 0.5) / vec2(4.0, 2.0);
             let radiance = Vec3::splat([1.0, 3.0, 8.0, f32::NAN][x as usize]);
             splats.push(Splat { image_uv, radiance, samples: 2.0 });
             FilmSample::from(Vec3::ONE)
-        };
+        });
         film.take_samples(2, limits, &sample, &mut |_| ControlFlow::Continue(()));
         let row: Vec<f32> = film.image().pixels[4..].iter().map(|pixel| pixel[0]).collect();
         assert_eq!(row, [1.0, 3.0, 7.0, 9.0]);

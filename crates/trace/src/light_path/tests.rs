@@ -1,6 +1,6 @@
 //! Pictures with light paths and without them show the same light.
 
-use crate::film::{FilmSample, Limits, Splats};
+use crate::film::{FilmSample, Limits, one_by_one};
 use crate::{Film, Options, Sampler, World, camera_ray};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use rotund_scene::{
@@ -31,13 +31,13 @@ fn render(scene: &Scene, options: &Options, light_paths: bool) -> Film {
         context = context.with_light_paths(camera, options);
         assert!(context.sensor.is_some(), "there is no caster");
     }
-    let sample = |x: u32, y: u32, sample: u32, splats: &mut Splats| {
+    let sample = one_by_one(|[x, y, sample], splats| {
         let sampler = Sampler::new(options.sequence, options.seed, x, y, sample);
         let ray = camera_ray(camera, [options.width, options.height], [x, y], &sampler);
-        let found = context.trace(ray, &sampler);
+        let found = context.trace(ray, &sampler, &context.camera_hit(&ray));
         context.trace_light(options, [x, y, sample], &mut |splat| splats.push(splat));
         FilmSample { radiance: found.radiance, covered: found.covered, rays: 0 }
-    };
+    });
     let mut film = Film::for_options(options).expect("a film");
     film.take_samples(options.samples, Limits::NONE, &sample, &mut |_| ControlFlow::Continue(()));
     assert_eq!(film.rejected(), 0);

@@ -62,6 +62,8 @@ struct Path<'a> {
     context: &'a Context<'a>,
     sampler: Sampler,
     ray: Ray,
+    /// What the ray meets, as far as it has been traced already.
+    found: Option<&'a Option<SceneHit>>,
     /// The instance on whose outside the ray starts.
     left: Option<u32>,
     throughput: Vec3,
@@ -101,12 +103,19 @@ enum Next {
 }
 
 impl Context<'_> {
-    /// Returns the radiance along a ray of unit direction.
-    pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler) -> Arrived {
+    /// Returns what a path along a camera ray meets first, for [`Self::trace`].
+    #[inline]
+    pub(crate) fn camera_hit(&self, ray: &Ray) -> Option<SceneHit> {
+        self.trees.closest_to_shade(self.scene, ray, None)
+    }
+
+    /// Returns the radiance along a camera ray of unit direction, which meets `found`.
+    pub(crate) fn trace(&self, ray: Ray, sampler: &Sampler, found: &Option<SceneHit>) -> Arrived {
         let mut path = Path {
             context: self,
             sampler: *sampler,
             ray,
+            found: Some(found),
             left: None,
             throughput: Vec3::ONE,
             share: 1.0,
@@ -179,13 +188,20 @@ impl Path<'_> {
         self.arrived.rays += 1;
         // Borrow the hit instead of moving it: copying it right after the store stalls on
         // store-to-load forwarding.
-        let found = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
+        let traced;
+        let found = match self.found.take() {
+            Some(found) => found,
+            None => {
+                traced = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
+                &traced
+            }
+        };
         if let Some((medium, distance, numbers)) = event
             && found.as_ref().map_or(limit < f32::INFINITY, |hit| distance < hit.t)
         {
             return self.scatter_inside(&medium, distance, numbers);
         }
-        let Some(hit) = &found else {
+        let Some(hit) = found else {
             self.gather_environment();
             return Next::End;
         };

@@ -3,7 +3,7 @@
 mod random_scene;
 
 use crate::context::Context;
-use crate::film::{FilmSample, Limits, Splats};
+use crate::film::{FilmSample, Limits, one_by_one};
 use crate::medium::{Media, Medium};
 use crate::vertex::{Vertex, sides_agree};
 use crate::{Film, Options, Sampler, Sequence, World, camera_ray, phase};
@@ -103,12 +103,13 @@ fn usual_picture(world: &World<'_>, seed: u64) -> Vec<[f32; 3]> {
     let options = Options { width, height, samples: SAMPLES[0], seed, ..Options::default() };
     let camera = &world.scene().cameras[0];
     let context = world.context(&options).with_light_paths(camera, &options);
-    let sample = |x: u32, y: u32, sample: u32, splats: &mut Splats| {
+    let sample = one_by_one(|[x, y, sample], splats| {
         let sampler = Sampler::new(options.sequence, seed, x, y, sample);
-        let found = context.trace(camera_ray(camera, SIZE, [x, y], &sampler), &sampler);
+        let ray = camera_ray(camera, SIZE, [x, y], &sampler);
+        let found = context.trace(ray, &sampler, &context.camera_hit(&ray));
         context.trace_light(&options, [x, y, sample], &mut |splat| splats.push(splat));
         FilmSample { radiance: found.radiance, covered: found.covered, rays: 0 }
-    };
+    });
     let mut film = Film::for_options(&options).expect("a film");
     film.take_samples(SAMPLES[0], Limits::NONE, &sample, &mut |_| ControlFlow::Continue(()));
     assert_eq!(film.rejected(), 0);
