@@ -62,9 +62,14 @@ enum Surface {
     None,
 }
 
-/// Returns emitters for all elements of an instance, in order, or `None` if its material does not
-/// emit. `owners` has those of the instances before.
-pub(super) fn of_instance(scene: &Scene, index: u32, owners: &mut Owners) -> Option<Vec<Emitter>> {
+/// Appends emitters for all elements of an instance, in order, and returns the number of the first,
+/// or `None` if its material does not emit. `owners` has those of the instances before.
+pub(super) fn add_instance(
+    scene: &Scene,
+    index: u32,
+    owners: &mut Owners,
+    emitters: &mut Vec<Emitter>,
+) -> Option<u32> {
     let instance = &scene.instances[index as usize];
     let material = &scene.materials[instance.material as usize];
     if material.emission.max_element() <= 0.0 {
@@ -73,7 +78,7 @@ pub(super) fn of_instance(scene: &Scene, index: u32, owners: &mut Owners) -> Opt
     let shape = &scene.shapes[instance.shape as usize];
     let varies =
         material.emission_tex.is_some() || material.color_tex.is_some() || !shape.colors.is_empty();
-    let mut emitter = |element: u32| {
+    let emitter = |element: u32| {
         let surface = unowned_surface(shape, instance, element as usize, owners);
         let mut emitter = Emitter::dark(surface, index, element);
         let area = emitter.area();
@@ -84,12 +89,13 @@ pub(super) fn of_instance(scene: &Scene, index: u32, owners: &mut Owners) -> Opt
         }
         emitter
     };
-    let mut emitters: Vec<_> = (0..shape.elements.count() as u32).map(&mut emitter).collect();
-    for second in 1..emitters.len() {
+    let first = emitters.len();
+    emitters.extend((0..shape.elements.count() as u32).map(emitter));
+    for second in first + 1..emitters.len() {
         let [a, b] = &mut emitters[second - 1..=second] else { continue };
         a.join(b);
     }
-    Some(emitters)
+    Some(first as u32)
 }
 
 /// Returns an element that passes light on instead of emitting it. It has power if it can be

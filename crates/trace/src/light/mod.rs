@@ -178,13 +178,8 @@ impl Lights {
     /// [`Self::build`] for a scene that has been validated.
     pub(crate) fn of_valid(scene: &Scene) -> Self {
         let (mut emitters, mut owners) = (Vec::new(), Owners::default());
-        let first_emitter = (0..scene.instances.len())
-            .map(|instance| {
-                let of_instance = emitter::of_instance(scene, instance as u32, &mut owners)?;
-                let first = emitters.len() as u32;
-                emitters.extend(of_instance);
-                Some(first)
-            })
+        let first_emitter = (0..scene.instances.len() as u32)
+            .map(|index| emitter::add_instance(scene, index, &mut owners, &mut emitters))
             .collect();
         drop(owners);
         let extents: Vec<Extent> = emitters.iter().map(Emitter::extent).collect();

@@ -206,41 +206,55 @@ fn widened_cosine(cosine: Vec4, [spread_cosine, spread_sine]: [Vec4; 2]) -> Vec4
     Vec4::select(cosine.cmpge(spread_cosine), Vec4::ONE, widened)
 }
 
+/// Returns the union of those that are there.
+fn join(a: Option<Extent>, b: Option<Extent>) -> Option<Extent> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.union(b)),
+        (a, b) => a.or(b),
+    }
+}
+
 /// Partitions members into two groups that are not empty, and returns the size of the first.
 fn split(emitters: &[Extent], members: &mut [u32], depth: usize) -> usize {
     let center = |e: &u32| emitters[*e as usize].bounds.center();
     let centers = Aabb::from_points(members.iter().map(center));
     let mut best: Option<(f32, usize, f32)> = None;
-    if depth < GREEDY_DEPTH {
-        for axis in 0..3 {
-            let (low, high) = (centers.min[axis], centers.max[axis]);
-            for bin in 1..BINS {
-                let plane = low + (high - low) * (bin as f32 / BINS as f32);
-                let side = |first: bool| {
-                    members
-                        .iter()
-                        .filter(|&e| (center(e)[axis] < plane) == first)
-                        .map(|&e| emitters[e as usize])
-                        .reduce(Extent::union)
-                };
-                let (Some(a), Some(b)) = (side(true), side(false)) else { continue };
-                // Power times half area, so that bright groups are small. Groups with a common
-                // normal count less, because their bounds are tighter.
-                let cost = |e: Extent| {
-                    let normals = if e.normal == Vec3::ZERO { 2.0 } else { 1.0 };
-                    e.power * normals * e.bounds.half_area()
-                };
-                let cost = cost(a) + cost(b);
-                if best.is_none_or(|(least, ..)| cost < least) {
-                    best = Some((cost, axis, plane));
-                }
+    for axis in 0..if depth < GREEDY_DEPTH { 3 } else { 0 } {
+        let (low, high) = (centers.min[axis], centers.max[axis]);
+        let planes: [f32; BINS - 1] =
+            std::array::from_fn(|i| low + (high - low) * ((i + 1) as f32 / BINS as f32));
+        // The groups between neighbouring planes.
+        let mut bins = [None; BINS];
+        for e in &*members {
+            let place = center(e)[axis];
+            let bin = &mut bins[planes.iter().filter(|&&plane| place >= plane).count()];
+            *bin = join(*bin, Some(emitters[*e as usize]));
+        }
+        let mut behind = bins;
+        for bin in (1..BINS).rev() {
+            behind[bin - 1] = join(behind[bin - 1], behind[bin]);
+        }
+        let mut before = None;
+        for (bin, &plane) in planes.iter().enumerate() {
+            before = join(before, bins[bin]);
+            let (Some(a), Some(b)) = (before, behind[bin + 1]) else { continue };
+            // Power times half area, so that bright groups are small. Groups with a common normal
+            // count less, because their bounds are tighter.
+            let cost = |e: Extent| {
+                let normals = if e.normal == Vec3::ZERO { 2.0 } else { 1.0 };
+                e.power * normals * e.bounds.half_area()
+            };
+            let cost = cost(a) + cost(b);
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, axis, plane));
             }
         }
     }
     if let Some((_, axis, plane)) = best {
+        let is_second = |e: &u32| center(e)[axis] >= plane;
         // A stable sort keeps the order of members, so the tree is deterministic.
-        members.sort_by_key(|e| center(e)[axis] >= plane);
-        return members.partition_point(|e| center(e)[axis] < plane);
+        members.sort_by_key(is_second);
+        return members.partition_point(|e| !is_second(e));
     }
     members.len() / 2
 }
