@@ -219,7 +219,8 @@ fn split(emitters: &[Extent], members: &mut [u32], depth: usize) -> usize {
     let center = |e: &u32| emitters[*e as usize].bounds.center();
     let centers = Aabb::from_points(members.iter().map(center));
     let mut best: Option<(f32, usize, f32)> = None;
-    for axis in 0..if depth < GREEDY_DEPTH { 3 } else { 0 } {
+    let axes = if depth < GREEDY_DEPTH { 0..3 } else { 0..0 };
+    for axis in axes {
         let (low, high) = (centers.min[axis], centers.max[axis]);
         let planes: [f32; BINS - 1] =
             std::array::from_fn(|i| low + (high - low) * ((i + 1) as f32 / BINS as f32));

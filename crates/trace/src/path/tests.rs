@@ -11,7 +11,7 @@ use glam::Vec3;
 use random_scene::{Random, add_sky, floor, scene, solid_box};
 use rayon::prelude::*;
 use rotund_geometry::Ray;
-use rotund_scene::{Elements, Material, MaterialKind, Overlap, Scene, Shape};
+use rotund_scene::{Elements, Material, MaterialKind, Method, Overlap, Scene, Shape};
 use std::ops::ControlFlow;
 
 /// Returns the light that arrives along a ray by the plainest path there is: one direction at each
@@ -215,6 +215,15 @@ fn all_paths_show_the_light_of_plain_ones() {
             let kind = MaterialKind::Volumetric;
             scene.add(ball([0.0, 0.7, 0.0], 0.6), Material { kind, opacity: 0.5, ..milk() });
             scene.add(ball([0.5, 1.8, -0.5], 0.4), lamp());
+        }),
+        case("a vanilla mirror that reaches into a cloud", |scene| {
+            let kind = MaterialKind::Volumetric;
+            scene.add(ball([0.0, 0.7, 0.0], 0.6), Material { kind, ..milk() });
+            let mirror = ball([0.8, 0.8, 0.3], 0.5);
+            let shape = Shape { method: Method::Vanilla, ..mirror };
+            let (kind, color) = (MaterialKind::Reflective, Vec3::splat(0.9));
+            scene.add(shape, Material { kind, color, ..Material::default() });
+            add_sky(scene, false, 0.0);
         }),
         case("lines that scatter, each a solid of its own", |scene| {
             scene.add(Shape { overlap: Overlap::Separate, ..tube() }, milk());
