@@ -4,6 +4,7 @@ use crate::context::{Arrived, Context};
 use crate::film::{Film, FilmHeader, FilmSample, GROUP, Limits, Place, Progress, Splats};
 use crate::{Options, RenderError, Sampler, View, World, camera_ray};
 use rotund_scene::Camera;
+use std::array;
 use std::ops::ControlFlow;
 
 impl World<'_> {
@@ -119,16 +120,10 @@ fn take_samples(
         };
         // The rays of a group are traced in turn before any path goes on: they meet much the same,
         // and none waits for the one before.
-        let mut starts = [start(&places[0]); GROUP];
-        for (begun, place) in starts.iter_mut().zip(places).skip(1) {
-            *begun = start(place);
-        }
-        let mut found = [const { None }; GROUP];
-        if is_path {
-            for (found, (_, ray)) in found.iter_mut().zip(&starts).take(places.len()) {
-                *found = context.camera_hit(ray);
-            }
-        }
+        let starts: [_; GROUP] = array::from_fn(|i| start(&places[i.min(places.len() - 1)]));
+        let found: [_; GROUP] = array::from_fn(|i| {
+            if is_path && i < places.len() { context.camera_hit(&starts[i].1) } else { None }
+        });
         let starts = starts.iter().zip(&found);
         for ((place, out), ((sampler, ray), found)) in places.iter().zip(samples).zip(starts) {
             let arrived = if is_path {

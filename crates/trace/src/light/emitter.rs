@@ -31,9 +31,9 @@ pub(super) struct Emitter {
 }
 
 /// Distance, in multiples of the radius of the bounds, beyond which a flat emitter is sampled by
-/// area and not by solid angle. That takes a tenth of the time, and adds a hundredth to the noise
-/// of a picture.
-const FAR: f32 = 3.0;
+/// area and not by solid angle. That takes a tenth of the time. With this limit it adds a fiftieth
+/// to the noise of a room, and saves a twentieth of the time of the whole path.
+const FAR: f32 = 1.5;
 
 /// A sampled point of an emitter.
 #[derive(Clone, Copy, Debug)]

@@ -93,6 +93,14 @@ pub struct Lights {
     lenses: Lenses,
 }
 
+/// A receiver, and what all queries about it need.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Aim {
+    pub(crate) receiver: Receiver,
+    /// The result of [`Lights::environment_chance`].
+    pub(crate) environment_chance: f32,
+}
+
 /// A direction sampled from the lights.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -262,8 +270,13 @@ impl Lights {
         &self.lenses
     }
 
+    /// Prepares a receiver for several queries.
+    pub(crate) fn aim(&self, receiver: &Receiver) -> Aim {
+        Aim { receiver: *receiver, environment_chance: self.environment_chance(receiver) }
+    }
+
     /// Returns the probability that an environment is sampled rather than an emitter.
-    fn environment_chance(&self, receiver: &Receiver) -> f32 {
+    pub(crate) fn environment_chance(&self, receiver: &Receiver) -> f32 {
         // Both are estimates of irradiance; half of an environment is below the horizon.
         let environments = 0.5 * self.environments.power();
         if environments <= 0.0 {
@@ -286,8 +299,13 @@ impl Lights {
     /// horizon of the receiver, where the BSDF is zero.
     #[must_use]
     pub fn sample(&self, receiver: &Receiver, choice: f32, u: Vec2) -> Option<LightSample> {
-        let environment_chance = self.environment_chance(receiver);
-        if choice < environment_chance {
+        self.sample_for(&self.aim(receiver), choice, u)
+    }
+
+    /// [`Self::sample`] for a receiver that is prepared.
+    pub(crate) fn sample_for(&self, aim: &Aim, choice: f32, u: Vec2) -> Option<LightSample> {
+        let Aim { receiver, environment_chance } = aim;
+        if choice < *environment_chance {
             let (incoming, pdf) = self.environments.sample(u)?;
             return Some(LightSample {
                 incoming,
@@ -339,11 +357,11 @@ impl Lights {
     pub(crate) fn environment(
         &self,
         scene: &Scene,
-        receiver: Option<&Receiver>,
+        aim: Option<&Aim>,
         direction: Vec3,
     ) -> (Vec3, f32) {
         let (radiance, pdf) = self.environments.radiance_and_pdf(scene, direction);
-        let chance = receiver.map_or(0.0, |receiver| self.environment_chance(receiver));
+        let chance = aim.map_or(0.0, |aim| aim.environment_chance);
         (radiance, chance * pdf)
     }
 
@@ -364,16 +382,26 @@ impl Lights {
     /// range.
     #[must_use]
     pub fn pdf(&self, receiver: &Receiver, hit: &SceneHit) -> f32 {
-        let Some(first) = self.first_emitter[hit.instance as usize] else { return 0.0 };
-        let mut index = first + hit.element;
-        index -= u32::from(self.emitters[index as usize].is_second_half());
-        let emitter = &self.emitters[index as usize];
-        if emitter.power <= 0.0 {
-            return 0.0;
-        }
-        (1.0 - self.environment_chance(receiver))
-            * self.tree.chance(receiver, index)
-            * emitter.pdf(receiver.position, hit)
+        self.emitter(hit).map_or(0.0, |index| self.pdf_of(index, &self.aim(receiver), hit))
+    }
+
+    /// [`Self::pdf`] for a receiver that is prepared.
+    pub(crate) fn pdf_for(&self, aim: &Aim, hit: &SceneHit) -> f32 {
+        self.emitter(hit).map_or(0.0, |index| self.pdf_of(index, aim, hit))
+    }
+
+    /// Returns the index of the emitter that samples a surface point, if any does.
+    fn emitter(&self, hit: &SceneHit) -> Option<u32> {
+        let index = self.first_emitter[hit.instance as usize]? + hit.element;
+        let index = index - u32::from(self.emitters[index as usize].is_second_half());
+        (self.emitters[index as usize].power > 0.0).then_some(index)
+    }
+
+    fn pdf_of(&self, emitter: u32, aim: &Aim, hit: &SceneHit) -> f32 {
+        let Aim { receiver, environment_chance } = aim;
+        (1.0 - environment_chance)
+            * self.tree.chance(receiver, emitter)
+            * self.emitters[emitter as usize].pdf(receiver.position, hit)
     }
 }
 

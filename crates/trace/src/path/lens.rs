@@ -173,8 +173,8 @@ impl Path<'_> {
     /// Returns the weight of light that the path has found through a lens at `source`, or in the
     /// environments; `None` if light samples through lenses find none of this path.
     pub(super) fn weight_through(&self, source: Option<&SceneHit>) -> Option<f32> {
-        let Passage { ref receiver, direction, pdf, lens, .. } =
-            self.passage.filter(Passage::is_complete)?;
+        let &Passage { ref receiver, direction, pdf, lens, .. } =
+            self.passage.as_ref().filter(|passage| passage.is_complete())?;
         let (lights, incoming) = (self.context.lights, self.ray.direction);
         let lenses = lights.lenses();
         let chosen = lenses.chosen(receiver, lens?);

@@ -17,10 +17,11 @@ mod scatter;
 mod tests;
 
 use crate::context::{Arrived, Context};
+use crate::light::Aim;
 use crate::medium::{Media, Medium};
 use crate::mis::weight_of_bsdf;
 use crate::opacity::{SHEET_SETS, SHEETS};
-use crate::{Receiver, Sampler, power_heuristic};
+use crate::{Sampler, power_heuristic};
 use glam::Vec3;
 use lens::Passage;
 use reverse::Reverse;
@@ -32,7 +33,11 @@ const ROULETTE_AFTER: u32 = 4;
 /// Throughput below which Russian roulette may end a path. A higher threshold saves less time than
 /// the noise it adds costs, above all where a few paths carry most of the light: one of 0.5 gives
 /// glass and metal a tenth more noise, for at most a twentieth of the time.
-const ROULETTE_BELOW: f32 = 0.15;
+const END_BELOW: f32 = 0.15;
+/// The same behind a matte surface, where light samples at the next vertex find most of the light,
+/// so that less depends on a single path. It saves a twelfth of the rays in a closed room for 4 %
+/// more noise there, and changes neither by more than 1.5 % in open scenes.
+const MATTE_BELOW: f32 = 0.3;
 /// Dimension sets of a segment. The camera takes set 0, the segments follow.
 const SETS_PER_SEGMENT: u32 = 3;
 /// Number of parts that a path is split into where it enters a solid that scatters. No light can be
@@ -51,7 +56,7 @@ const BRANCHES: f32 = 8.0;
 /// The vertex at which the last direction was sampled, unless it was a delta direction.
 #[derive(Clone, Copy)]
 struct Origin {
-    receiver: Receiver,
+    aim: Aim,
     /// Density of the direction per solid angle.
     pdf: f32,
 }
@@ -186,15 +191,11 @@ impl Path<'_> {
         let limit = closed.map_or(f32::INFINITY, |&(_, distance, _)| distance);
         self.ray.t_max = limit;
         self.arrived.rays += 1;
-        // Borrow the hit instead of moving it: copying it right after the store stalls on
-        // store-to-load forwarding.
-        let traced;
+        // Borrow the hit where it was written, instead of moving it: copying it right after the
+        // store stalls on store-to-load forwarding.
         let found = match self.found.take() {
             Some(found) => found,
-            None => {
-                traced = self.context.trees.closest_to_shade(scene, &self.ray, self.left);
-                &traced
-            }
+            None => &self.context.trees.closest_to_shade(scene, &self.ray, self.left),
         };
         if let Some((medium, distance, numbers)) = event
             && found.as_ref().map_or(limit < f32::INFINITY, |hit| distance < hit.t)
@@ -272,8 +273,8 @@ impl Path<'_> {
             self.arrived.covered = true;
             return;
         }
-        let receiver = self.origin.as_ref().map(|origin| &origin.receiver);
-        let (radiance, other) = lights.environment(scene, receiver, self.ray.direction);
+        let aim = self.origin.as_ref().map(|origin| &origin.aim);
+        let (radiance, other) = lights.environment(scene, aim, self.ray.direction);
         let through = self.weight_through(None);
         let weight = through
             .unwrap_or_else(|| self.weight(other, || self.found_from_sky(self.ray.direction)));
@@ -284,7 +285,7 @@ impl Path<'_> {
     fn gather_emission(&mut self, hit: &SceneHit, emission: Vec3) {
         if emission != Vec3::ZERO && !self.context.furnace {
             let lights = self.context.lights;
-            let of_sample = |origin: &Origin| lights.pdf(&origin.receiver, hit);
+            let of_sample = |origin: &Origin| lights.pdf_for(&origin.aim, hit);
             let other = self.origin.as_ref().map_or(0.0, of_sample);
             let through = self.weight_through(Some(hit));
             let weight = through.unwrap_or_else(|| self.weight(other, || self.found_from(hit)));
@@ -303,9 +304,15 @@ impl Path<'_> {
 
     /// Takes the next segment, unless the throughput is zero or Russian roulette ends the path.
     #[inline(always)]
-    fn continue_along(&mut self, ray: Ray, left: Option<u32>, roulette: f32) -> Next {
+    fn continue_along(
+        &mut self,
+        ray: Ray,
+        left: Option<u32>,
+        end_below: f32,
+        roulette: f32,
+    ) -> Next {
         if self.segment >= ROULETTE_AFTER {
-            let usual = ROULETTE_BELOW * self.share;
+            let usual = end_below * self.share;
             let survival = (self.throughput.max_element() / usual).min(0.99);
             if roulette >= survival {
                 return Next::End;

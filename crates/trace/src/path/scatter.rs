@@ -1,7 +1,8 @@
 //! Scattering at a vertex of a path: direct illumination, and the direction that goes on.
 
-use super::{BRANCHES, Next, Origin, Path};
+use super::{BRANCHES, END_BELOW, MATTE_BELOW, Next, Origin, Path};
 use crate::context::{Arrived, Context};
+use crate::light::Aim;
 use crate::medium::Medium;
 use crate::mis::weight_of_light_sample;
 use crate::shadow::{Departure, Target, Visible};
@@ -16,7 +17,7 @@ impl Path<'_> {
     /// function for a direction, and the density with which it would be sampled.
     fn gather_light(
         &mut self,
-        receiver: &Receiver,
+        aim: &Aim,
         departure: &Departure<'_>,
         vertex: Option<&Vertex<'_>>,
         [x, y, choice, _]: [f32; 4],
@@ -28,7 +29,7 @@ impl Path<'_> {
         }
         // Results are borrowed where they were written: a copy right after the store stalls on
         // store-to-load forwarding.
-        let sampled = lights.sample(receiver, choice, Vec2::new(x, y));
+        let sampled = lights.sample_for(aim, choice, Vec2::new(x, y));
         let Some(light) = &sampled else { return };
         let (value, pdf) = scatter(light.incoming);
         if value == Vec3::ZERO {
@@ -74,22 +75,21 @@ impl Path<'_> {
         self.throughput *= factor / survival;
         let (position, outgoing) = (self.ray.at(distance), -self.ray.direction);
         let g = medium.anisotropy;
-        let receiver = Receiver { position, normal: None };
         // The refracting wall blocks direct illumination from outside.
         let lit = !medium.walled || self.context.facts.lit_inside;
-        if lit {
+        let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
+        self.origin = lit.then(|| {
+            let aim = self.context.lights.aim(&Receiver { position, normal: None });
             let departure = Departure::Inside(position);
-            self.gather_light(&receiver, &departure, None, of_light, |incoming| {
+            self.gather_light(&aim, &departure, None, of_light, |incoming| {
                 let density = phase::henyey_greenstein(g, outgoing, incoming);
                 (Vec3::splat(density), density)
             });
-        }
-        let incoming = phase::sample(g, outgoing, Vec2::new(x, y));
-        let pdf = phase::henyey_greenstein(g, outgoing, incoming);
-        self.origin = lit.then_some(Origin { receiver, pdf });
+            Origin { aim, pdf: phase::henyey_greenstein(g, outgoing, incoming) }
+        });
         (self.reverse, self.passage) = (None, None);
         self.smooth = false;
-        self.continue_along(Ray::new(position, incoming), None, roulette)
+        self.continue_along(Ray::new(position, incoming), None, END_BELOW, roulette)
     }
 
     pub(super) fn scatter_at(&mut self, hit: &SceneHit, material: &MaterialPoint) -> Next {
@@ -98,18 +98,20 @@ impl Path<'_> {
         let [of_light, [x, y, choice, roulette]] = self.numbers_of_vertex();
         let normal = vertex.shading_normal(outgoing);
         let bsdf = Bsdf::new(material, normal, outgoing);
-        let receiver = vertex.receiver(normal);
+        let mut aim = Aim { receiver: vertex.receiver(normal), environment_chance: 0.0 };
         let medium = (material.kind == MaterialKind::Refractive).then(|| Medium::new(material));
         if !bsdf.is_delta() {
+            aim.environment_chance = self.context.lights.environment_chance(&aim.receiver);
             let departure = Departure::Surface { hit, outgoing, medium };
-            self.gather_light(&receiver, &departure, Some(&vertex), of_light, |incoming| {
+            self.gather_light(&aim, &departure, Some(&vertex), of_light, |incoming| {
                 let value = bsdf.eval(incoming);
                 let allowed = vertex.allows(normal, outgoing, incoming);
                 (if allowed { value.value } else { Vec3::ZERO }, value.pdf)
             });
-            self.gather_through_lens(&receiver, &vertex, &bsdf);
+            self.gather_through_lens(&aim.receiver, &vertex, &bsdf);
         }
-        let wall = Wall { hit, outgoing, medium, normal };
+        let end_below = if material.kind == MaterialKind::Matte { MATTE_BELOW } else { END_BELOW };
+        let wall = Wall { hit, outgoing, medium, normal, end_below };
         if self.smooth
             && let Some((both, f)) = bsdf.both()
         {
@@ -118,9 +120,15 @@ impl Path<'_> {
         let sampled = bsdf.sample(choice, Vec2::new(x, y));
         let Some(scattered) = &sampled else { return Next::End };
         self.smooth &= scattered.pdf.is_none();
-        self.origin = scattered.pdf.map(|pdf| Origin { receiver, pdf });
-        self.passage = self.passed(&receiver, &vertex, scattered);
-        self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
+        // Written in place: a copy of the optional result stalls on store-to-load forwarding.
+        match scattered.pdf {
+            Some(pdf) => self.origin = Some(Origin { aim, pdf }),
+            None => self.origin = None,
+        }
+        if self.context.sensor.is_some() {
+            self.passage = self.passed(&aim.receiver, &vertex, scattered);
+            self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
+        }
         self.leave(&wall, scattered.incoming, scattered.weight, roulette)
     }
 
@@ -173,7 +181,7 @@ impl Path<'_> {
 
     /// Leaves a surface in a sampled direction.
     fn leave(&mut self, wall: &Wall<'_>, incoming: Vec3, weight: Vec3, roulette: f32) -> Next {
-        let Wall { hit, outgoing, medium, normal } = *wall;
+        let Wall { hit, outgoing, medium, normal, end_below } = *wall;
         let mut divided = false;
         if let Some(medium) = medium {
             if !sides_agree(hit, normal, outgoing, incoming) {
@@ -190,7 +198,8 @@ impl Path<'_> {
             }
         }
         self.throughput *= weight;
-        match self.continue_along(hit.spawn(incoming), hit.left_by(incoming), roulette) {
+        let (ray, left) = (hit.spawn(incoming), hit.left_by(incoming));
+        match self.continue_along(ray, left, end_below, roulette) {
             Next::Segment if divided => Next::Parts,
             next => next,
         }
@@ -204,4 +213,6 @@ struct Wall<'a> {
     /// The medium behind, if the surface is the boundary of one.
     medium: Option<Medium>,
     normal: Vec3,
+    /// Throughput below which Russian roulette may end the path.
+    end_below: f32,
 }
