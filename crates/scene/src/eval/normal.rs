@@ -55,8 +55,12 @@ impl Scene {
         let material = &self.materials[instance.material as usize];
         let refractive = material.kind == MaterialKind::Refractive;
         let enhanced = shape.method == Method::Enhanced;
-        let smooth = shape.is_round() || shape.normals.is_empty();
-        if enhanced && smooth && material.normal_tex.is_none() {
+        let plain = match &shape.elements {
+            Elements::Points(_) | Elements::Lines(_) => enhanced,
+            Elements::Triangles(_) => shape.normals.is_empty(),
+            Elements::Quads(_) => enhanced && shape.normals.is_empty(),
+        };
+        if plain && material.normal_tex.is_none() {
             // The usual case: the geometric normal, which needs no bound unless the viewer grazes.
             let rise = hit.normal.dot(outgoing);
             if rise * rise > 1e-6 * outgoing.length_squared() {
