@@ -2,7 +2,7 @@
 
 use super::Packed;
 use super::exact::exact_t;
-use super::kernel::{Candidates, HasIds, Kernel, NO_ID};
+use super::kernel::{Candidates, HasIds, Kernel};
 use super::method_tag::MethodTag;
 use crate::node::WIDTH;
 use crate::simd::{Simd, WithSimd};
@@ -92,13 +92,13 @@ impl<P: Kernel, M: MethodTag> AnyVisitor<'_, P, M> {
             // Even in an unused lane, which repeats the first one.
             return true;
         }
+        if mask == 0 {
+            return false;
+        }
+        mask &= block.used();
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
-            // Unused lanes repeat the first one, which has been tested before them.
-            if block.ids()[lane] == NO_ID {
-                continue;
-            }
             if exact_t::<S, P, M>(simd, block, lane, self.ray).is_some() {
                 return true;
             }

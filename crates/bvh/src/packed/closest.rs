@@ -156,6 +156,8 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
         if mask == 0 {
             return limit;
         }
+        // Unused lanes repeat the first one.
+        mask &= block.used();
         let ids = block.ids();
         let (near, far) = (simd.to_array(near), simd.to_array(far));
         while mask != 0 {
@@ -170,8 +172,7 @@ impl<P: Kernel, M: MethodTag> ClosestVisitor<'_, P, M> {
             }
             mask &= !(1 << lane);
             let id = ids[lane];
-            // Unused lanes repeat the first one, which has been tested before them.
-            if id == NO_ID || near[lane] > limit {
+            if near[lane] > limit {
                 continue;
             }
             if certain >> lane & 1 == 1 && far[lane] < self.best.near {

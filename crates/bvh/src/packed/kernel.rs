@@ -44,6 +44,13 @@ impl<B: HasIds> HasIds for Aligned<B> {
 pub trait HasIds {
     /// The ids of the lanes.
     fn ids(&self) -> &[u32; WIDTH];
+
+    /// The mask of the used lanes.
+    #[inline(always)]
+    fn used(&self) -> u32 {
+        let bits = self.ids().map(|id| u32::from(id != NO_ID));
+        (0..WIDTH).fold(0, |mask, lane| mask | bits[lane] << lane)
+    }
 }
 
 impl<const ROWS: usize> HasIds for Block<ROWS> {
