@@ -98,6 +98,7 @@ impl Path<'_> {
         let [of_light, [x, y, choice, roulette]] = self.numbers_of_vertex();
         let normal = vertex.shading_normal(outgoing);
         let bsdf = Bsdf::new(material, normal, outgoing);
+        // Filled in where it stays, for the reason below.
         let mut aim = Aim { receiver: vertex.receiver(normal), environment_chance: 0.0 };
         let medium = (material.kind == MaterialKind::Refractive).then(|| Medium::new(material));
         if !bsdf.is_delta() {
@@ -125,6 +126,7 @@ impl Path<'_> {
             Some(pdf) => self.origin = Some(Origin { aim, pdf }),
             None => self.origin = None,
         }
+        // In scenes without light paths both stay `None`.
         if self.context.sensor.is_some() {
             self.passage = self.passed(&aim.receiver, &vertex, scattered);
             self.reverse = self.reversed(&vertex, scattered.incoming, scattered.pdf);
