@@ -2,7 +2,10 @@
 
 use crate::{Elements, Method, Shape};
 use glam::{DVec3, Vec3};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::{
+    cmp::Ordering,
+    hash::{DefaultHasher, Hash, Hasher},
+};
 
 impl Shape {
     /// Returns true if the surface encloses a volume and faces outwards, so that every ray from
@@ -37,18 +40,30 @@ impl Shape {
 /// Sums over the faces of a surface.
 #[derive(Default)]
 struct Surface {
-    /// For each edge its hash minus that of its reverse.
+    /// For each edge the hash of its ends, negative if it goes from the greater end to the lesser.
     edges: u64,
     /// Six times the volume.
     volume: f64,
 }
 
 impl Surface {
+    fn add_edge(&mut self, from: Vec3, to: Vec3) {
+        let (from, to) = (bits(from), bits(to));
+        let (lesser, greater) = if from < to { (from, to) } else { (to, from) };
+        let mut hasher = DefaultHasher::new();
+        u32::hash_slice([lesser, greater].as_flattened(), &mut hasher);
+        match from.cmp(&to) {
+            Ordering::Less => self.edges = self.edges.wrapping_add(hasher.finish()),
+            Ordering::Greater => self.edges = self.edges.wrapping_sub(hasher.finish()),
+            // A corner that is repeated.
+            Ordering::Equal => {}
+        }
+    }
+
     /// Adds a face, which may repeat a corner.
     fn add<const N: usize>(&mut self, corners: [Vec3; N]) {
         for corner in 0..N {
-            let (from, to) = (corners[corner], corners[(corner + 1) % N]);
-            self.edges = self.edges.wrapping_add(hash(from, to)).wrapping_sub(hash(to, from));
+            self.add_edge(corners[corner], corners[(corner + 1) % N]);
         }
         let corners = corners.map(Vec3::as_dvec3);
         let of_fan = |pair: &[DVec3]| corners[0].dot(pair[0].cross(pair[1]));
@@ -56,12 +71,9 @@ impl Surface {
     }
 }
 
-/// Returns a hash of an edge. Zeros of both signs are the same.
-fn hash(from: Vec3, to: Vec3) -> u64 {
-    let bits = |position: Vec3| (position + Vec3::ZERO).to_array().map(f32::to_bits);
-    let mut hasher = DefaultHasher::new();
-    (bits(from), bits(to)).hash(&mut hasher);
-    hasher.finish()
+/// The bits of a position. Zeros of both signs are the same.
+fn bits(position: Vec3) -> [u32; 3] {
+    (position + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
 #[cfg(test)]

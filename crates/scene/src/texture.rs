@@ -49,14 +49,23 @@ impl Pixels {
         let width = width as usize;
         let tiled = match &self {
             Self::Bytes(bytes) => Tiles::new(width, bytes).map(Self::TiledBytes),
-            Self::Floats(floats) => {
-                let packed: Option<Vec<_>> = floats.iter().map(|&p| shared_exponent(p)).collect();
-                packed.and_then(|pixels| Tiles::new(width, &pixels)).map(Self::SharedExponent)
-            }
+            Self::Floats(floats) => shared_exponents(floats)
+                .and_then(|pixels| Tiles::new(width, &pixels))
+                .map(Self::SharedExponent),
             Self::Words(_) | Self::TiledBytes(_) | Self::SharedExponent(_) => None,
         };
         tiled.unwrap_or(self)
     }
+}
+
+/// Returns the pixels of [`Pixels::SharedExponent`] that represent these exactly, if all have one.
+fn shared_exponents(floats: &[[f32; 4]]) -> Option<Vec<[u8; 4]>> {
+    // To collect an `Option` would grow the vector step by step.
+    let mut packed = Vec::with_capacity(floats.len());
+    for &pixel in floats {
+        packed.push(shared_exponent(pixel)?);
+    }
+    Some(packed)
 }
 
 /// Returns the pixel of [`Pixels::SharedExponent`] that represents these numbers exactly, if there
@@ -67,9 +76,11 @@ fn shared_exponent(pixel @ [r, g, b, _]: [f32; 4]) -> Option<[u8; 4]> {
     let exponent = if largest == 0.0 { 0 } else { (largest.to_bits() >> 23) + 2 };
     // Negative numbers do not fit, nor do those that the decoder would scale to infinity.
     let exponent = u8::try_from(exponent).ok().filter(|&e| e < u8::MAX)?;
-    // 2^(136 - e), by the bits of its exponent.
-    let steps = f64::from_bits((1023 + 136 - u64::from(exponent)) << 52);
-    let [r, g, b] = [r, g, b].map(|channel| (f64::from(channel) * steps) as u8);
+    // 2^(128 - e), by the bits of its exponent, brings the largest channel to between 0.5 and 1. A
+    // channel so much smaller that it loses digits does not fit anyway. If all are zero, the factor
+    // is infinite and the products are NaN, which become 0.
+    let scale = f32::from_bits((255 - u32::from(exponent)) << 23);
+    let [r, g, b] = [r, g, b].map(|channel| (channel * scale * 256.0) as u8);
     let packed = [r, g, b, exponent];
     let same = unpacked(packed).to_array().map(f32::to_bits) == pixel.map(f32::to_bits);
     same.then_some(packed)
@@ -162,6 +173,19 @@ impl Texture {
             Pixels::Floats(floats) => Vec4::from_array(floats[index]),
             Pixels::TiledBytes(tiles) => linear_color(linear_from_srgb_table(), tiles.at(x, y)),
             Pixels::SharedExponent(tiles) => unpacked(tiles.at(x, y)),
+        }
+    }
+
+    /// Calls `visit` with the linear colour of each pixel, row by row from the top: several times
+    /// as fast as [`Self::color_at`] for each.
+    pub fn for_each_color(&self, mut visit: impl FnMut(Vec4)) {
+        let linear = linear_from_srgb_table();
+        match &self.pixels {
+            Pixels::Bytes(bytes) => bytes.iter().for_each(|&p| visit(linear_color(linear, p))),
+            Pixels::Words(words) => words.iter().for_each(|&p| visit(linear_words(p))),
+            Pixels::Floats(floats) => floats.iter().for_each(|&p| visit(Vec4::from_array(p))),
+            Pixels::TiledBytes(tiles) => tiles.for_each(|p| visit(linear_color(linear, p))),
+            Pixels::SharedExponent(tiles) => tiles.for_each(|p| visit(unpacked(p))),
         }
     }
 
@@ -316,8 +340,14 @@ mod tests {
             let tiled = matches!(packed.pixels, Pixels::TiledBytes(_) | Pixels::SharedExponent(_));
             assert!(tiled, "{:?}", packed.pixels);
             assert_eq!(plain.is_opaque(), packed.is_opaque());
-            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-                assert_eq!(plain.color_at(x, y), packed.color_at(x, y));
+            let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let colors: Vec<Vec4> = places.map(|(x, y)| plain.color_at(x, y)).collect();
+            for texture in [&plain, &packed] {
+                let mut visited = Vec::new();
+                texture.for_each_color(|color| visited.push(color));
+                assert_eq!(visited, colors);
+                let last = texture.color_at(width - 1, height - 1);
+                assert_eq!(Some(&last), colors.last());
             }
             for i in 0..1000 {
                 let uv = Vec2::new(i as f32 * 0.618_034, i as f32 * 0.137 - 3.0);

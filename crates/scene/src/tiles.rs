@@ -2,6 +2,7 @@
 
 use std::{
     collections::{HashMap, hash_map::Entry},
+    hash::{Hash, Hasher},
     sync::Arc,
 };
 
@@ -27,9 +28,20 @@ pub struct Tiles {
 const SIDE: usize = 8;
 
 /// The pixels of a tile, aligned to cache lines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(64))]
 struct Tile([[u8; 4]; SIDE * SIDE]);
+
+impl Hash for Tile {
+    /// Hashes all bytes at once; the derived function would hash each pixel by itself, which takes
+    /// ten times as long.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write(self.0.as_flattened());
+    }
+}
+
+/// Adjacent pixels of a row that are adjacent in a tile too.
+const RUN: usize = 4;
 
 /// The least ratio of all tiles to distinct ones at which only distinct ones are stored, since the
 /// index costs another memory access at each look-up.
@@ -46,10 +58,18 @@ impl Tiles {
         let (across, down) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
         let tile = |place: usize| {
             let mut tile = Tile([[0; 4]; SIDE * SIDE]);
-            for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
-                let (column, row) = (place % across * SIDE + x, place / across * SIDE + y);
+            let (left, top) = (place % across * SIDE, place / across * SIDE);
+            for (y, x) in (0..SIDE).flat_map(|y| [(y, 0), (y, RUN)]) {
                 // Pad with the last pixels, which no look-up reads.
-                tile.0[within(x, y)] = pixels[row.min(height - 1) * width + column.min(width - 1)];
+                let row = &pixels[(top + y).min(height - 1) * width..][..width];
+                let run = &mut tile.0[within(x, y)..][..RUN];
+                match row.get(left + x..left + x + RUN) {
+                    Some(pixels) => run.copy_from_slice(pixels),
+                    None => {
+                        let column = |i: usize| (left + x + i).min(width - 1);
+                        run.iter_mut().enumerate().for_each(|(i, pixel)| *pixel = row[column(i)]);
+                    }
+                }
             }
             tile
         };
@@ -69,12 +89,28 @@ impl Tiles {
     /// Returns the pixel of a column and a row.
     #[inline]
     pub(crate) fn at(&self, x: usize, y: usize) -> [u8; 4] {
-        let place = y / SIDE * self.across + x / SIDE;
-        let tile = self.places.as_ref().map_or(place, |places| usize::from(places[place]));
-        self.tiles[tile].0[within(x, y)]
+        self.tile(x, y).0[within(x, y)]
     }
 
-    /// Iterates over all pixels, some of them more than once.
+    #[inline]
+    fn tile(&self, x: usize, y: usize) -> &Tile {
+        let place = y / SIDE * self.across + x / SIDE;
+        let tile = self.places.as_ref().map_or(place, |places| usize::from(places[place]));
+        &self.tiles[tile]
+    }
+
+    /// Calls `visit` with all pixels, row by row.
+    pub(crate) fn for_each(&self, mut visit: impl FnMut([u8; 4])) {
+        let [width, height] = self.size;
+        for y in 0..height {
+            for x in (0..width).step_by(RUN) {
+                let run = &self.tile(x, y).0[within(x, y)..][..RUN];
+                run[..RUN.min(width - x)].iter().for_each(|&pixel| visit(pixel));
+            }
+        }
+    }
+
+    /// Iterates over all pixels, in another order and some of them more than once.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = [u8; 4]> {
         self.tiles.iter().flat_map(|tile| tile.0)
     }
@@ -131,6 +167,9 @@ mod tests {
                     let (x, y) = (i % width, i / width);
                     assert_eq!(tiles.at(x, y), expected, "{x} {y} of {width} x {height}");
                 }
+                let mut visited = Vec::new();
+                tiles.for_each(|pixel| visited.push(pixel));
+                assert!(visited == pixels, "{width} x {height}");
             }
         }
     }

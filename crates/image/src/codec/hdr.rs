@@ -20,20 +20,23 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, String> {
     // Three floats for each pixel.
     let mut floats = vec![0; 12 * along.length as usize * across.length as usize];
     decoder.read_image(&mut floats).map_err(|error| error.to_string())?;
-    let (channels, _) = floats.as_chunks::<4>();
+    let (channels, _) = floats.as_chunks::<4>().0.as_chunks::<3>();
 
     let (rows, columns) = if along.is_y { (along, across) } else { (across, along) };
     let [width, height] = [columns.length as usize, rows.length as usize];
     let mut pixels = Vec::with_capacity(width * height);
-    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+    let exposure = header.exposure;
+    for y in 0..height {
         // -Y starts at the top, and +X at the left.
         let row = if rows.increases { height - 1 - y } else { y };
-        let column = if columns.increases { x } else { width - 1 - x };
-        let index = if along.is_y { row * width + column } else { column * height + row };
-        let channel = |i: usize| f32::from_ne_bytes(channels[3 * index + i]) / header.exposure[i];
-        let [r, g, b] = std::array::from_fn(channel);
-        let [r, g, b] = if header.is_xyz { rgb_from_xyz([r, g, b]) } else { [r, g, b] };
-        pixels.push([r, g, b, 1.0]);
+        for x in 0..width {
+            let column = if columns.increases { x } else { width - 1 - x };
+            let index = if along.is_y { row * width + column } else { column * height + row };
+            let [r, g, b] = channels[index].map(f32::from_ne_bytes);
+            let [r, g, b] = [r / exposure[0], g / exposure[1], b / exposure[2]];
+            let [r, g, b] = if header.is_xyz { rgb_from_xyz([r, g, b]) } else { [r, g, b] };
+            pixels.push([r, g, b, 1.0]);
+        }
     }
     let samples = Samples::Linear(pixels);
     Ok(Decoded { width: columns.length, height: rows.length, samples })

@@ -103,24 +103,22 @@ impl EnvironmentImage {
         if width == 0 || height == 0 {
             return None;
         }
-        let luminance_of_row = |y: u32| {
-            (0..texture.width).map(move |x| {
-                let bright = luminance(environment.emission * texture.color_at(x, y).truncate());
-                // A NaN pixel is not sampled.
-                if bright.is_finite() { bright.max(0.0) } else { 0.0 }
-            })
-        };
-        let pixels: Vec<f32> = (0..texture.height).flat_map(luminance_of_row).collect();
-        let mean_of_cell = |(row, column): (usize, usize)| {
-            let (below, right) = ((row + 1) % height * width, (column + 1) % width);
-            let row = row * width;
-            0.25 * (pixels[row + column]
-                + pixels[row + right]
-                + pixels[below + column]
-                + pixels[below + right])
-        };
-        let cells = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
-        let mut brightness: Vec<f32> = cells.map(mean_of_cell).collect();
+        let mut pixels = Vec::with_capacity(width * height);
+        texture.for_each_color(|color| {
+            let bright = luminance(environment.emission * color.truncate());
+            // A NaN pixel is not sampled.
+            pixels.push(if bright.is_finite() { bright.max(0.0) } else { 0.0 });
+        });
+        let mut brightness = Vec::with_capacity(width * height);
+        for row in 0..height {
+            let below = &pixels[(row + 1) % height * width..][..width];
+            let row = &pixels[row * width..][..width];
+            let mean_between = |column: usize, right: usize| {
+                0.25 * (row[column] + row[right] + below[column] + below[right])
+            };
+            brightness.extend((1..width).map(|right| mean_between(right - 1, right)));
+            brightness.push(mean_between(width - 1, 0));
+        }
         let edges: Vec<f32> =
             (0..=height).map(|edge| (edge as f32 / height as f32 * PI).cos()).collect();
         let of_row = |(row, cells): (usize, &[f32])| {
