@@ -27,6 +27,10 @@ pub(crate) const SEQUENTIAL_LIMIT: usize = 1 << 14;
 /// over their bounds.
 pub const MAX_PRIMITIVES: usize = Child::MAX_INDEX as usize;
 
+/// The surface area from which [`BuildSettings::large_area`] counts a box as large, relative to
+/// that of the tree. One in 32 of the rays that meet the tree meets such a box.
+const LARGE: f32 = 1.0 / 32.0;
+
 /// A tree and the leaves that it refers to.
 pub(crate) struct Built {
     pub(crate) tree: Tree,
@@ -59,8 +63,10 @@ pub(crate) fn build(count: usize, bounds: impl Fn(u32) -> Aabb + Sync, leaf_size
         return Built { tree, ids: Vec::new(), leaves: Vec::new() };
     }
 
-    let settings = BuildSettings { leaf_size: leaf_size as usize, isa: Isa::default_set() };
-    let bounds = RangeBounds::of(&prims, settings.isa);
+    let isa = Isa::default_set();
+    let bounds = RangeBounds::of(&prims, isa);
+    let large_area = LARGE * bounds.half_area();
+    let settings = BuildSettings { leaf_size: leaf_size as usize, large_area, isa };
     let whole = BuildRange { prims: &mut prims, start: 0, bounds, depth: 0 };
     let mut ranges = Vec::new();
     let top = top_tree(whole, &settings).take_ranges(&mut ranges);

@@ -3,8 +3,8 @@
 mod support;
 
 use glam::Vec3;
-use rotund_bvh::{Method, SphereTree, TriangleTree};
-use rotund_geometry::{Ray, Triangle};
+use rotund_bvh::{Method, PatchTree, SphereTree, TriangleTree};
+use rotund_geometry::{BilinearPatch, Ray, Triangle};
 use support::{Random, spheres, triangles};
 
 #[test]
@@ -41,4 +41,25 @@ fn the_expected_cost_of_a_tree_does_not_depend_on_its_scale() {
         let sah = sah(exponent);
         assert!(sah > 1.0 && sah < 1000.0, "2^{exponent}: {sah}");
     }
+}
+
+/// Eight tiles fit into a leaf, but a leaf of four at either end of a long diagonal would be met by
+/// most rays, which then miss all of them.
+#[test]
+fn what_lies_far_apart_has_leaves_of_its_own() {
+    let tile = |corner: Vec3| {
+        let [u, v] = [0.01 * Vec3::X, 0.01 * Vec3::Y];
+        BilinearPatch { p00: corner, p10: corner + u, p01: corner + v, p11: corner + u + v }
+    };
+    let at = |place: f32| (0..4).map(move |i| tile(Vec3::splat(place) + 0.01 * i as f32 * Vec3::X));
+    let apart = PatchTree::build(&at(0.0).chain(at(1.0)).collect::<Vec<_>>());
+    assert_eq!(apart.statistics().leaves, 2);
+    let between = Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::Z);
+    assert_eq!(apart.visits(&between, Method::Enhanced).primitives, 0);
+    let aimed = Ray::new(Vec3::new(0.005, 0.005, -1.0), Vec3::Z);
+    assert_eq!(apart.visits(&aimed, Method::Enhanced).primitives, 4);
+
+    let row = (0..8).map(|i| tile(0.01 * i as f32 * Vec3::X));
+    let together = PatchTree::build(&row.collect::<Vec<_>>());
+    assert_eq!(together.statistics().leaves, 1);
 }
