@@ -17,8 +17,8 @@ pub(crate) const MAX_DEPTH: usize = SAH_DEPTH + 32;
 pub(crate) struct BuildSettings {
     /// Largest number of references in a leaf.
     pub(crate) leaf_size: usize,
-    /// A range that fits into a leaf is divided among several, if that is cheaper, only if half its
-    /// surface area is larger.
+    /// Half the surface area above which a range that fits into one leaf may be divided among
+    /// several.
     pub(crate) large_area: f32,
     /// Instruction set of the build. The tree does not depend on it, only the time.
     pub(crate) isa: Isa,

@@ -43,8 +43,8 @@ fn the_expected_cost_of_a_tree_does_not_depend_on_its_scale() {
     }
 }
 
-/// Eight tiles fit into a leaf, but a leaf of four at either end of a long diagonal would be met by
-/// most rays, which then miss all of them.
+/// Eight tiles fit into a leaf. With four at either end of a long diagonal, most rays would meet
+/// the box of that leaf and miss every tile. Where the box is small beside the tree, few rays do.
 #[test]
 fn what_lies_far_apart_has_leaves_of_its_own() {
     let tile = |corner: Vec3| {
@@ -62,4 +62,8 @@ fn what_lies_far_apart_has_leaves_of_its_own() {
     let row = (0..8).map(|i| tile(0.01 * i as f32 * Vec3::X));
     let together = PatchTree::build(&row.collect::<Vec<_>>());
     assert_eq!(together.statistics().leaves, 1);
+
+    let far = tile(Vec3::splat(100.0));
+    let small = PatchTree::build(&at(0.0).chain(at(1.0)).chain([far]).collect::<Vec<_>>());
+    assert_eq!(small.statistics().leaves, 2);
 }

@@ -47,15 +47,12 @@ struct Surface {
 }
 
 impl Surface {
+    /// Adds an edge of a face. One between equal corners adds nothing.
     fn add_edge(&mut self, from: Vec3, to: Vec3) {
         let (from, to) = (bits(from), bits(to));
-        let (lesser, greater) = if from < to { (from, to) } else { (to, from) };
-        let mut hasher = DefaultHasher::new();
-        u32::hash_slice([lesser, greater].as_flattened(), &mut hasher);
         match from.cmp(&to) {
-            Ordering::Less => self.edges = self.edges.wrapping_add(hasher.finish()),
-            Ordering::Greater => self.edges = self.edges.wrapping_sub(hasher.finish()),
-            // A corner that is repeated.
+            Ordering::Less => self.edges = self.edges.wrapping_add(hash([from, to])),
+            Ordering::Greater => self.edges = self.edges.wrapping_sub(hash([to, from])),
             Ordering::Equal => {}
         }
     }
@@ -69,6 +66,12 @@ impl Surface {
         let of_fan = |pair: &[DVec3]| corners[0].dot(pair[0].cross(pair[1]));
         self.volume += corners[1..].windows(2).map(of_fan).sum::<f64>();
     }
+}
+
+fn hash(ends: [[u32; 3]; 2]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    u32::hash_slice(ends.as_flattened(), &mut hasher);
+    hasher.finish()
 }
 
 /// The bits of a position. Zeros of both signs are the same.

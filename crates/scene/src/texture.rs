@@ -60,7 +60,7 @@ impl Pixels {
 
 /// Returns the pixels of [`Pixels::SharedExponent`] that represent these exactly, if all have one.
 fn shared_exponents(floats: &[[f32; 4]]) -> Option<Vec<[u8; 4]>> {
-    // To collect an `Option` would grow the vector step by step.
+    // Collecting into an `Option` would grow the vector step by step.
     let mut packed = Vec::with_capacity(floats.len());
     for &pixel in floats {
         packed.push(shared_exponent(pixel)?);
@@ -77,8 +77,8 @@ fn shared_exponent(pixel @ [r, g, b, _]: [f32; 4]) -> Option<[u8; 4]> {
     // Negative numbers do not fit, nor do those that the decoder would scale to infinity.
     let exponent = u8::try_from(exponent).ok().filter(|&e| e < u8::MAX)?;
     // 2^(128 - e), by the bits of its exponent, brings the largest channel to between 0.5 and 1. A
-    // channel so much smaller that it loses digits does not fit anyway. If all are zero, the factor
-    // is infinite and the products are NaN, which become 0.
+    // channel so much smaller that it loses digits does not fit anyway. If the largest is zero, the
+    // factor is infinite: zeros become NaN and then 0, and a negative number does not fit.
     let scale = f32::from_bits((255 - u32::from(exponent)) << 23);
     let [r, g, b] = [r, g, b].map(|channel| (channel * scale * 256.0) as u8);
     let packed = [r, g, b, exponent];
@@ -292,6 +292,7 @@ mod tests {
             ("a channel that is too small beside the largest", [1.0, 0.001, 0.0, 1.0], None),
             ("transparent", [1.0, 1.0, 1.0, 0.5], None),
             ("less than nothing", [1.0, -1.0, 0.0, 1.0], None),
+            ("less than nothing beside nothing", [-1.0, 0.0, 0.0, 1.0], None),
             ("nothing from below", [1.0, -0.0, 0.0, 1.0], None),
             ("not normal", [0.25 * tiny, 0.0, 0.0, 1.0], Some([64, 0, 0, 2])),
             ("the largest", [f32::MAX, 0.0, 0.0, 1.0], None),
@@ -346,8 +347,8 @@ mod tests {
                 let mut visited = Vec::new();
                 texture.for_each_color(|color| visited.push(color));
                 assert_eq!(visited, colors);
-                let last = texture.color_at(width - 1, height - 1);
-                assert_eq!(Some(&last), colors.last());
+                let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+                assert!(places.map(|(x, y)| texture.color_at(x, y)).eq(visited));
             }
             for i in 0..1000 {
                 let uv = Vec2::new(i as f32 * 0.618_034, i as f32 * 0.137 - 3.0);

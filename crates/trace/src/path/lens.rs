@@ -81,8 +81,8 @@ impl Path<'_> {
             return;
         }
         let Some(chosen) = lenses.choose(receiver, which / effort) else { return };
-        let aim = lenses.receiver(chosen.number);
-        let Some(light) = lights.sample(&aim, choice, Vec2::new(x, y)) else { return };
+        let at_lens = lenses.receiver(chosen.number);
+        let Some(light) = lights.sample(&at_lens, choice, Vec2::new(x, y)) else { return };
         let end = match &light.source {
             Some(source) => End::Point(source.position),
             None => End::Sky(light.incoming),
@@ -178,10 +178,10 @@ impl Path<'_> {
         let (lights, incoming) = (self.context.lights, self.ray.direction);
         let lenses = lights.lenses();
         let chosen = lenses.chosen(receiver, lens?);
-        let aim = lenses.receiver(chosen.number);
+        let at_lens = lenses.receiver(chosen.number);
         let (end, sampled) = match source {
-            Some(hit) => (End::Point(hit.position), lights.pdf(&aim, hit)),
-            None => (End::Sky(incoming), lights.environment_pdf(&aim, incoming)),
+            Some(hit) => (End::Point(hit.position), lights.pdf(&at_lens, hit)),
+            None => (End::Sky(incoming), lights.environment_pdf(&at_lens, incoming)),
         };
         let beam = lenses.get(chosen.number).beam(receiver.position, direction, end)?;
         let at = source.map(|&SceneHit { position, normal, error, .. }| LightSource {
