@@ -11,7 +11,8 @@ use std::io::{Cursor, Read as _};
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, String> {
     let (header, scanlines) = Header::read(bytes)?;
     let [along, across] = header.axes;
-    check_size(along.length.into(), across.length.into(), 32, bytes)?;
+    let (rows, columns) = if along.is_y { (along, across) } else { (across, along) };
+    check_size(columns.length.into(), rows.length.into(), 32, bytes)?;
     // The library accepts a single signature and a single order of axes.
     let usual =
         format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", along.length, across.length);
@@ -22,7 +23,6 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, String> {
     decoder.read_image(&mut floats).map_err(|error| error.to_string())?;
     let (channels, _) = floats.as_chunks::<4>().0.as_chunks::<3>();
 
-    let (rows, columns) = if along.is_y { (along, across) } else { (across, along) };
     let [width, height] = [columns.length as usize, rows.length as usize];
     let mut pixels = Vec::with_capacity(width * height);
     let exposure = header.exposure;
