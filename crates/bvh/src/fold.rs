@@ -91,7 +91,7 @@ impl BinaryTree<'_> {
         index as u32
     }
 
-    /// Fills in the costs of a node with two children. It has the cost of a leaf.
+    /// Fills in the costs of a node with two children. Its `forest` holds the cost as a leaf.
     fn compute_costs(&mut self, index: usize, right: u32, area: f32) {
         let (low, high) = (self.nodes[index + 1].forest, self.nodes[right as usize].forest);
         let node = &mut self.nodes[index];

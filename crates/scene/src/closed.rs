@@ -68,6 +68,7 @@ impl Surface {
     }
 }
 
+/// Returns a hash of the ends of an edge.
 fn hash(ends: [[u32; 3]; 2]) -> u64 {
     let mut hasher = DefaultHasher::new();
     u32::hash_slice(ends.as_flattened(), &mut hasher);

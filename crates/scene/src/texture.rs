@@ -176,8 +176,8 @@ impl Texture {
         }
     }
 
-    /// Calls `visit` with the linear colour of each pixel, row by row from the top: several times
-    /// as fast as [`Self::color_at`] for each.
+    /// Calls `visit` with the linear colour of each pixel, row by row from the top. This is faster
+    /// than [`Self::color_at`] for each.
     pub fn for_each_color(&self, mut visit: impl FnMut(Vec4)) {
         let linear = linear_from_srgb_table();
         match &self.pixels {
