@@ -1,7 +1,7 @@
 //! What decides the pixels of a render, in words and as a hash.
 
 use crate::scene_source::NamedScene;
-use rotund_scene::{Elements, Scene, Shape};
+use rotund_scene::{ElementKind, Elements, Method, Scene, Shape};
 use rotund_trace::{Options, Origin, Shard};
 use std::fmt;
 
@@ -30,6 +30,9 @@ pub(crate) fn origin(scene: &NamedScene, camera: usize, options: &Options) -> Or
 fn label(scene: &NamedScene, camera: usize, options: &Options) -> String {
     let camera = &scene.scene.cameras[camera].name;
     let mut label = format!("{}, camera {camera}, {} bounces", scene.name, options.bounces);
+    for (kind, method) in methods(&scene.scene) {
+        label += &format!(", {kind} {method}");
+    }
     // Options are named only if they differ from the default.
     let usual = Options::default();
     if options.sequence != usual.sequence {
@@ -39,12 +42,27 @@ fn label(scene: &NamedScene, camera: usize, options: &Options) -> String {
         label += &format!(", view {}", options.view);
     }
     if options.transparent {
-        label += ", transparent";
+        label += ", transparent background";
+    }
+    if !options.recenter {
+        label += ", layers";
     }
     if let Some(clamp) = options.clamp {
         label += &format!(", clamped to {clamp}");
     }
     label
+}
+
+/// Returns the kinds of elements of a scene that differ between the methods, each with its method,
+/// or with both if its shapes differ.
+fn methods(scene: &Scene) -> Vec<(ElementKind, Method)> {
+    let kinds = [ElementKind::Points, ElementKind::Lines, ElementKind::Quads];
+    let mut methods: Vec<_> =
+        kinds.into_iter().flat_map(|kind| Method::ALL.map(|method| (kind, method))).collect();
+    methods.retain(|&(kind, method)| {
+        scene.shapes.iter().any(|shape| (shape.elements.kind(), shape.method) == (kind, method))
+    });
+    methods
 }
 
 /// A hash of 64 bits. A single word that differs always changes it. It detects mistakes, and is no

@@ -12,6 +12,7 @@ use crate::message::{one_line, warn};
 use crate::origin::origin;
 use crate::output::{check_distinct, check_file, check_image_file};
 use crate::progress::rays_per_second;
+use crate::scene_source::is_lone;
 use crate::shot::{PictureArgs, odd_samples, take_on};
 use anyhow::{Error, Result, bail};
 use rotund_geometry::Method;
@@ -126,6 +127,11 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
         check_file(checkpoint)?;
     }
     let (mut scene, camera, options) = args.picture.load(&args.scene)?;
+    if args.floor && !transparent {
+        warn("--floor changes nothing without --transparent or --background: no floor is left out");
+    } else if args.floor && !is_lone(&args.scene) {
+        warn("--floor changes nothing: it is for files of shapes that are loaded by themselves");
+    }
     let outputs = [
         ("--out", out.as_deref()),
         ("--denoise", denoised.as_ref().map(Denoised::path)),

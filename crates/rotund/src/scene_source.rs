@@ -92,6 +92,13 @@ pub(crate) fn exists(name_or_path: &OsStr) -> bool {
     name_or_path.to_str().is_some_and(is_built_in) || Path::new(name_or_path).is_file()
 }
 
+/// Whether a scene is the file of a shape that is loaded by itself.
+pub(crate) fn is_lone(name_or_path: &OsStr) -> bool {
+    // Built-in scenes have no extension.
+    let extension = Path::new(name_or_path).extension();
+    extension.is_some_and(|it| !it.eq_ignore_ascii_case("json"))
+}
+
 /// Loads a scene by the name of a built-in one or by the path of a file, of a scene or of a shape,
 /// and prints the loader's warnings on standard error.
 ///

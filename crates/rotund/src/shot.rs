@@ -226,7 +226,7 @@ pub(crate) fn take_on(
 pub(crate) fn odd_samples(film: &Film) -> String {
     let mut text = String::new();
     for (count, what) in [
-        (film.rejected(), "no radiance, counted as black"),
+        (film.rejected(), "not finite or beyond 5e11, counted as black"),
         (film.fireflies(), "brighter than any light"),
         (film.clamped(), "clamped"),
     ] {

@@ -327,10 +327,12 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
         ("--seed 9", ["seed 0", "seed 9"]),
         ("--bounces 3", ["8 bounces", "3 bounces"]),
         ("--resolution 40", ["32 x ", "40 x "]),
-        ("--mode vanilla", ["another picture", "scene, camera"]),
+        ("--mode vanilla", ["points enhanced", "not scene, camera"]),
+        ("--kinds lines", ["points enhanced", "points vanilla"]),
+        ("--out a.exr --layers", ["another picture", "layers"]),
         ("--sampler independent", ["another picture", "independent numbers"]),
         ("--clamp 10", ["another picture", "clamped to 10"]),
-        ("--transparent", ["another picture", ", transparent"]),
+        ("--transparent", ["another picture", ", transparent background"]),
         ("--view uv", ["another picture", "view uv"]),
         ("--shard 1/2", ["another picture", "1 shards, not 2"]),
         ("--samples 3", ["has 4 samples already", "the 3 asked for"]),
@@ -339,7 +341,7 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
     }
     // The label has a hash of the scene, so a change of one coordinate is detected.
     fs::write(place.path("floor.ply"), FLOOR.replace("1 -0.3 1", "1 -0.31 1")).expect("a file");
-    place.refuse(&format!("{picture} --resume"), &["another picture"]);
+    place.refuse(&format!("{picture} --resume"), &["but other shapes, materials"]);
     fs::write(place.path("floor.ply"), FLOOR).expect("a file");
     place.succeed(&format!("{picture} --resume"));
 

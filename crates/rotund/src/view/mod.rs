@@ -6,7 +6,7 @@
 
 use crate::cancel::Cancel;
 use crate::message::{note, one_line, warn};
-use crate::scene_source::{LoadArgs, exists, load_silently};
+use crate::scene_source::{LoadArgs, exists, is_lone, load_silently};
 use anyhow::{Result, bail};
 use guard::Guard;
 use rotund_report::console::say;
@@ -75,9 +75,7 @@ pub(crate) fn run(args: Args) -> Result<()> {
     let name =
         Path::new(&args.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let render = render_command(&args, &name);
-    // Built-in scenes have no extension.
-    let extension = Path::new(&args.scene).extension();
-    let is_lone = extension.is_some_and(|it| !it.eq_ignore_ascii_case("json"));
+    let is_lone = is_lone(&args.scene);
     let (scene, loading) = (args.scene, args.loading);
     let (denoiser, without_denoiser) = match remover::load() {
         Ok(denoiser) => (Some(denoiser), None),

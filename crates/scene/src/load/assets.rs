@@ -85,7 +85,7 @@ pub(super) fn textures(
         loaded.pixels = loaded.pixels.packed(loaded.width);
         let warning = (mended > 0).then(|| {
             shared.warning(format_args!(
-                "textures[{i}] has {mended} pixels that are not finite; taken as black"
+                "textures[{i}] has pixels that are not finite, taken as black: {mended}"
             ))
         });
         Ok((loaded, warning))

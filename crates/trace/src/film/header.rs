@@ -79,11 +79,31 @@ impl FilmHeader {
             both(&|header| format!("{} samples", header.wanted)),
             both(&|header| format!("{} shards", header.shards.count())),
             both(&|header| header.origin.program.clone()),
-            both(&|header| header.origin.to_string()),
         ];
         let unlike = fields.into_iter().filter(|(mine, others)| mine != others);
         let texts = unlike.map(|(mine, others)| format!("{mine}, not {others}"));
-        texts.collect::<Vec<_>>().join("; ")
+        texts.chain(self.origin.difference(&other.origin)).collect::<Vec<_>>().join("; ")
+    }
+}
+
+impl Origin {
+    /// Describes how scene, camera and options differ from those of the other origin, unless their
+    /// hashes are equal.
+    fn difference(&self, other: &Self) -> Option<String> {
+        if (&self.label, self.hash) == (&other.label, other.hash) {
+            return None;
+        }
+        // What the words leave out is in the hash.
+        Some(if self.label == other.label {
+            let Self { label, hash, .. } = self;
+            let others = other.hash;
+            format!(
+                "{label}, but other shapes, materials, textures, cameras or environments \
+                 ({hash:016x}, not {others:016x})"
+            )
+        } else {
+            format!("{self}, not {other}")
+        })
     }
 }
 
