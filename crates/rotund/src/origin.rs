@@ -1,7 +1,7 @@
 //! What decides the pixels of a render, in words and as a hash.
 
 use crate::scene_source::NamedScene;
-use rotund_scene::{ElementKind, Elements, Method, Scene, Shape};
+use rotund_scene::{ElementKind, Elements, Method, Overlap, Scene, Shape};
 use rotund_trace::{Options, Origin, Shard};
 use std::fmt;
 
@@ -30,8 +30,8 @@ pub(crate) fn origin(scene: &NamedScene, camera: usize, options: &Options) -> Or
 fn label(scene: &NamedScene, camera: usize, options: &Options) -> String {
     let camera = &scene.scene.cameras[camera].name;
     let mut label = format!("{}, camera {camera}, {} bounces", scene.name, options.bounces);
-    for (kind, method) in methods(&scene.scene) {
-        label += &format!(", {kind} {method}");
+    for kind in kinds(&scene.scene) {
+        label += &format!(", {kind}");
     }
     // Options are named only if they differ from the default.
     let usual = Options::default();
@@ -53,16 +53,25 @@ fn label(scene: &NamedScene, camera: usize, options: &Options) -> String {
     label
 }
 
-/// Returns the kinds of elements of a scene that differ between the methods, each with its method,
-/// or with both if its shapes differ.
-fn methods(scene: &Scene) -> Vec<(ElementKind, Method)> {
-    let kinds = [ElementKind::Points, ElementKind::Lines, ElementKind::Quads];
-    let mut methods: Vec<_> =
-        kinds.into_iter().flat_map(|kind| Method::ALL.map(|method| (kind, method))).collect();
-    methods.retain(|&(kind, method)| {
-        scene.shapes.iter().any(|shape| (shape.elements.kind(), shape.method) == (kind, method))
-    });
-    methods
+/// Describes how the kinds of elements of a scene that differ between the methods are traced; a
+/// kind is there several times if its shapes differ.
+fn kinds(scene: &Scene) -> Vec<String> {
+    let of_shape = |shape: &Shape| {
+        let (kind, method) = (shape.elements.kind(), shape.method);
+        let separate = shape.overlap == Overlap::Separate && kind != ElementKind::Quads;
+        (kind, method, separate)
+    };
+    let mut texts = Vec::new();
+    for kind in [ElementKind::Points, ElementKind::Lines, ElementKind::Quads] {
+        for method in Method::ALL {
+            for (separate, suffix) in [(false, ""), (true, " (separate)")] {
+                if scene.shapes.iter().any(|shape| of_shape(shape) == (kind, method, separate)) {
+                    texts.push(format!("{kind} {method}{suffix}"));
+                }
+            }
+        }
+    }
+    texts
 }
 
 /// A hash of 64 bits. A single word that differs always changes it. It detects mistakes, and is no

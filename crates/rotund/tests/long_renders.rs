@@ -329,6 +329,7 @@ fn a_checkpoint_that_does_not_fit_is_refused_in_a_sentence() {
         ("--resolution 40", ["32 x ", "40 x "]),
         ("--mode vanilla", ["points enhanced", "not scene, camera"]),
         ("--kinds lines", ["points enhanced", "points vanilla"]),
+        ("--overlap separate", ["points enhanced (", "points enhanced (separate)"]),
         ("--out a.exr --layers", ["another picture", "layers"]),
         ("--sampler independent", ["another picture", "independent numbers"]),
         ("--clamp 10", ["another picture", "clamped to 10"]),
