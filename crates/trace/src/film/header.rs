@@ -87,8 +87,7 @@ impl FilmHeader {
 }
 
 impl Origin {
-    /// Describes how scene, camera and options differ from those of the other origin; `None` if they
-    /// are the same.
+    /// Describes how scene, camera and options differ from those of the other origin, if they do.
     fn difference(&self, other: &Self) -> Option<String> {
         if (&self.label, self.hash) == (&other.label, other.hash) {
             return None;
