@@ -1,5 +1,6 @@
 //! The kinds of elements that the enhanced picture traces exactly.
 
+use crate::message::warn;
 use rotund_scene::{ElementKind, Method, Scene};
 
 /// A kind of element that has two methods. Triangles have one.
@@ -17,14 +18,30 @@ pub enum Kind {
 #[derive(Clone, Debug, clap::Args)]
 pub struct KindArgs {
     /// Kinds of elements that are traced exactly in the enhanced picture; the others stay vanilla.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,lines,quads")]
-    kinds: Vec<Kind>,
+    /// Default: points,lines,quads.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    kinds: Option<Vec<Kind>>,
 }
 
 impl KindArgs {
     /// Returns the kinds, each once and in order.
     pub fn kinds(&self) -> Vec<Kind> {
-        Kind::ALL.into_iter().filter(|kind| self.kinds.contains(kind)).collect()
+        let chosen = self.kinds.as_deref().unwrap_or(&Kind::ALL);
+        Kind::ALL.into_iter().filter(|kind| chosen.contains(kind)).collect()
+    }
+
+    /// Returns the kinds that a method traces exactly: none if it is the vanilla one, which makes a
+    /// choice of kinds worth a warning.
+    pub(crate) fn kinds_by(&self, method: Method) -> Vec<Kind> {
+        match method {
+            Method::Enhanced => self.kinds(),
+            Method::Vanilla => {
+                if self.kinds.is_some() {
+                    warn("--kinds changes nothing: the vanilla method traces no kind exactly");
+                }
+                Vec::new()
+            }
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use crate::kinds::enhance;
 use crate::output::{check_distinct, check_file, write_text};
 use crate::shot::{PictureArgs, take_on};
 use anyhow::{Result, bail};
+use rotund_geometry::Method;
 use rotund_image::{Image, trimmed_relative_error};
 use rotund_report::chart::{self, Labels, Series};
 use rotund_report::console::{Table, say};
@@ -69,7 +70,8 @@ pub(crate) fn run(args: Args) -> Result<()> {
             size.1
         );
     }
-    enhance(&mut scene.scene, &if args.vanilla { Vec::new() } else { args.picture.kinds.kinds() });
+    let method = if args.vanilla { Method::Vanilla } else { Method::Enhanced };
+    enhance(&mut scene.scene, &args.picture.kinds.kinds_by(method));
     let world = World::new(&scene.scene)?;
     let mut table = Table::new(&["sampler", "samples", "seconds", "noise", "seconds x noise"]);
     let mut curves = Vec::new();

@@ -149,11 +149,7 @@ pub(crate) fn run(mut args: Args) -> Result<()> {
         ..options
     };
     let label = args.mode.name();
-    let kinds = match args.mode {
-        Method::Vanilla => Vec::new(),
-        Method::Enhanced => args.picture.kinds.kinds(),
-    };
-    enhance(&mut scene.scene, &kinds);
+    enhance(&mut scene.scene, &args.picture.kinds.kinds_by(args.mode));
     match args.overlap {
         None => {}
         Some(OverlapKind::Union) => scene.scene.set_overlap(Overlap::Union),

@@ -45,28 +45,6 @@ fn the_floor_of_a_lone_file_stays_before_a_background_if_that_is_asked_for() {
 }
 
 #[test]
-fn a_warning_says_that_a_floor_is_there_anyway() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("triangle.obj"), TRIANGLE).expect("writes the file");
-    for (arguments, warned) in [
-        ("triangle.obj --floor", true),
-        ("triangle.obj --floor --transparent", false),
-        ("shapes1 --floor --background white", true),
-        ("shapes1 --background white", false),
-    ] {
-        let output = std::process::Command::new(env!("CARGO_BIN_EXE_rotund"))
-            .current_dir(folder.path())
-            .args(["render", "--out", "out.png", "--samples", "1", "--resolution", "16"])
-            .args(arguments.split(' '))
-            .output()
-            .expect("the program starts");
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}: {message}");
-        assert_eq!(message.contains("--floor changes nothing"), warned, "{arguments}: {message}");
-    }
-}
-
-#[test]
 fn a_background_is_a_colour_and_not_transparent_at_once() {
     for options in [&["--background", "mauve"][..], &["--background", "white", "--transparent"]] {
         let fixed = ["rotund", "render", "shapes1", "--out", "unwritten.png"];
