@@ -26,7 +26,7 @@ pub(super) struct Emitter {
     center: Vec3,
     far2: f32,
     /// Bound on the distance of a sampled point from the surface: fewer than ten roundings, each
-    /// relative to the largest coordinate involved.
+    /// relative to the largest coordinate involved, and what a rectangle is off the element.
     error: f32,
 }
 
@@ -209,7 +209,11 @@ impl Emitter {
     /// Computes the fields that depend on the bounds.
     fn measure(&mut self) {
         let Aabb { min, max } = self.extent().bounds;
-        self.error = 10.0 * UNIT_ROUNDOFF * min.abs().max(max.abs()).max_element();
+        let off = match &self.surface {
+            Surface::Rectangle(rectangle) => rectangle.off,
+            _ => 0.0,
+        };
+        self.error = 10.0 * UNIT_ROUNDOFF * min.abs().max(max.abs()).max_element() + off;
         self.center = 0.5 * (min + max);
         self.far2 = FAR * FAR * 0.25 * (max - min).length_squared();
     }

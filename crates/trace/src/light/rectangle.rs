@@ -12,6 +12,9 @@ pub(super) struct Rectangle {
     pub(super) corner: Vec3,
     pub(super) edges: [Vec3; 2],
     pub(super) normal: Vec3,
+    /// Distance of the fourth corner of the element from that of the rectangle, and so a bound on
+    /// that of any other point.
+    pub(super) off: f32,
     area: f32,
     /// Unit vectors along both edges and along the normal.
     axes: [DVec3; 3],
@@ -43,7 +46,8 @@ impl Rectangle {
     pub(super) fn try_new([p0, p1, p2, p3]: [Vec3; 4]) -> Option<Self> {
         let edges = [p1 - p0, p3 - p0];
         let size = edges[0].length() * edges[1].length();
-        let closes = (p0 + edges[0] + edges[1]).distance_squared(p2) <= 1e-10 * size;
+        let off = (p0 + edges[0] + edges[1]).distance(p2);
+        let closes = off * off <= 1e-10 * size;
         let right = edges[0].dot(edges[1]).abs() <= 1e-5 * size;
         (closes && right && size > 0.0).then(|| {
             let [ex, ey] = edges.map(Vec3::as_dvec3);
@@ -52,6 +56,7 @@ impl Rectangle {
                 corner: p0,
                 edges,
                 normal: edges[0].cross(edges[1]).normalize(),
+                off,
                 area: size,
                 axes: [x, y, x.cross(y)],
                 lengths: [ex.length(), ey.length()],

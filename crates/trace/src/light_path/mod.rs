@@ -302,13 +302,13 @@ impl<'a> LightPath<'a> {
     /// Adds what a vertex sends to the camera.
     fn connect(&mut self, vertex: &Vertex<'_>, add: &mut impl FnMut(Splat)) {
         let (hit, to_light) = (vertex.hit, -self.ray.direction);
-        // A camera inside of a solid, or behind a wall that is there by chance, sees the vertex as
-        // if nothing were around it.
-        if !self.media.is_clear() {
-            return;
-        }
         let [x, y, ..] = self.numbers(2);
         let Some(seen) = self.sensor.see(hit.position, warp::disk(Vec2::new(x, y))) else { return };
+        let wall = vertex.material.kind == MaterialKind::Refractive;
+        let medium = wall.then(|| Medium::new(vertex.material));
+        if !self.is_clear_towards(hit, seen.direction, medium) {
+            return;
+        }
         let (bsdf, normal) = vertex.bsdf(seen.direction);
         let BsdfValue { value, pdf } = bsdf.eval(to_light);
         if value == Vec3::ZERO || !vertex.allows(normal, seen.direction, to_light) {
@@ -322,8 +322,6 @@ impl<'a> LightPath<'a> {
         if radiance.max_element() <= 0.0 {
             return;
         }
-        let wall = vertex.material.kind == MaterialKind::Refractive;
-        let medium = wall.then(|| Medium::new(vertex.material));
         let departure = Departure::Surface { hit, outgoing: to_light, medium };
         let lens = LightSource { position: seen.lens, error: 0.0, normal: seen.direction };
         let target = Target { incoming: seen.direction, source: Some(&lens), borders: 0 };
@@ -332,6 +330,23 @@ impl<'a> LightPath<'a> {
         if share != Vec3::ZERO {
             let radiance = share * radiance;
             add(Splat { image_uv: seen.image_uv, radiance, samples: 1.0 / RATE });
+        }
+    }
+
+    /// Returns whether nothing absorbs on the way from a vertex to the camera, where the vertex is
+    /// on the wall of `medium` or of none.
+    ///
+    /// A camera inside of a solid, or behind a wall that is there by chance, sees the vertex as if
+    /// nothing were around it. So does one outside of a solid in which the path started.
+    fn is_clear_towards(&self, hit: &SceneHit, direction: Vec3, medium: Option<Medium>) -> bool {
+        match medium {
+            Some(medium)
+                if hit.normal.dot(self.ray.direction) * hit.normal.dot(direction) > 0.0 =>
+            {
+                let mut media = self.media;
+                media.cross_known(hit, direction, medium).is_some() && media.is_clear()
+            }
+            _ => self.media.is_clear(),
         }
     }
 }

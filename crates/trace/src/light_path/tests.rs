@@ -86,6 +86,12 @@ fn lamp(scene: &mut Scene, radius: f32, radiance: f32) {
     scene.add(ball([0.6, 2.2, -0.5], radius), shine(radiance));
 }
 
+/// A sky so dim that the light of lamps shows, where a picture would be black without.
+fn dim(scene: &mut Scene) {
+    let emission = Vec3::splat(0.02);
+    scene.environments.push(Environment { emission, ..Environment::default() });
+}
+
 /// A sky with a sun.
 fn sun(scene: &mut Scene) {
     let texel = |i: usize| {
@@ -242,6 +248,35 @@ fn cases() -> Vec<Case> {
                 scene.add(ball([-0.4, 0.6, 0.0], 0.5), dark.clone());
                 scene.add(ball([0.5, 0.6, 0.3], 0.5), dark);
                 lamp(scene, 0.4, 20.0);
+            }),
+        ),
+        ("a frosted ball of dark glass below a lamp, before nothing", {
+            let camera = Camera::look_at(Vec3::new(0.0, 0.9, 2.5), 0.3 * Vec3::Y, Vec3::Y);
+            let mut scene = Scene { cameras: vec![camera], ..Scene::default() };
+            dim(&mut scene);
+            let dark = material(glass, [0.4, 0.7, 0.4], 0.42);
+            scene.add(ball([0.0; 3], 0.3), Material { trdepth: 0.4, ..dark });
+            scene.add(ball([-0.1, 1.4, 1.0], 0.4), shine(20.0));
+            scene
+        }),
+        (
+            "an awning over metal, below a lamp whose corners a file has rounded",
+            with(&|scene| {
+                dim(scene);
+                scene.materials[0] = Material { roughness: 0.2, ..metal() };
+                let camera = Camera::look_at(Vec3::new(0.0, 0.5, 2.5), 0.5 * Vec3::Y, Vec3::Y);
+                scene.cameras = vec![camera];
+                let awning =
+                    [[-0.8, 0.1, -0.4], [0.8, 0.1, -0.4], [0.8, 0.9, 0.2], [-0.8, 0.9, 0.2]];
+                scene.add(quad(awning), material(MaterialKind::Matte, [0.8; 3], 0.0));
+                // The fourth corner is 3e-6 off the rectangle.
+                let corners = [
+                    [0.030_799_3, 1.163_59, 0.521_173],
+                    [0.385_922, 1.148_81, 0.669_003],
+                    [0.497_846, 0.923_541, 0.377_608],
+                    [0.142_723, 0.938_324, 0.229_778],
+                ];
+                scene.add(quad(corners), shine(20.0));
             }),
         ),
         (
