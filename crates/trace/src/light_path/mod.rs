@@ -333,11 +333,12 @@ impl<'a> LightPath<'a> {
         }
     }
 
-    /// Returns whether nothing absorbs on the way from a vertex to the camera, where the vertex is
-    /// on the wall of `medium` or of none.
+    /// Returns whether nothing absorbs between the camera and a vertex, which is on the wall of
+    /// `medium` or of none.
     ///
     /// A camera inside of a solid, or behind a wall that is there by chance, sees the vertex as if
-    /// nothing were around it. So does one outside of a solid in which the path started.
+    /// nothing were around it. A path that started inside of a solid does not know how that
+    /// absorbs, and is not connected through its wall.
     fn is_clear_towards(&self, hit: &SceneHit, direction: Vec3, medium: Option<Medium>) -> bool {
         match medium {
             Some(medium)
