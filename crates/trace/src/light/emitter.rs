@@ -26,7 +26,8 @@ pub(super) struct Emitter {
     center: Vec3,
     far2: f32,
     /// Bound on the distance of a sampled point from the surface: fewer than ten roundings, each
-    /// relative to the largest coordinate involved, and what a rectangle is off the element.
+    /// relative to the largest coordinate involved, and the distance of a rectangle from the
+    /// element that it replaces.
     error: f32,
 }
 
