@@ -5,7 +5,7 @@ use crate::{Lights, Options, View};
 use glam::Vec3;
 use rotund_geometry::Aabb;
 use rotund_scene::{
-    Camera, ElementKind, Instance, Material, MaterialKind, Method, Overlap, Scene, Shape, Trees,
+    ElementKind, Instance, Material, MaterialKind, Method, Overlap, Scene, Shape, Trees,
 };
 
 /// The state that all paths of a render share.
@@ -24,6 +24,9 @@ pub(crate) struct Context<'a> {
     pub(crate) sensor: Option<Sensor>,
     /// A distance that is larger than the scene, if there are paths from the lights.
     pub(crate) reach: f32,
+    /// Number of light paths of a sample that all weights count on. Any number leaves the light the
+    /// same; that of the light paths that are traced makes the least noise.
+    pub(crate) rate: f32,
     /// Bounds of the scene for [`View::Position`], else empty.
     pub(crate) bounds: Aabb,
 }
@@ -70,20 +73,9 @@ impl<'a> Context<'a> {
             transparent,
             sensor: None,
             reach: 0.0,
+            rate: 0.0,
             bounds,
         }
-    }
-
-    /// Returns the context with paths from the lights to a camera, if they find anything.
-    pub(crate) fn with_light_paths(self, camera: &Camera, options: &Options) -> Self {
-        let finds =
-            options.view == View::Path && options.bounces > 2 && !self.lights.casters().is_empty();
-        if !finds {
-            return self;
-        }
-        let bounds = self.scene.bounds();
-        let reach = 1.01 * (bounds.max - bounds.min).length();
-        Self { sensor: Some(Sensor::new(camera)), reach, ..self }
     }
 }
 

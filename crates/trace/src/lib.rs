@@ -52,6 +52,8 @@ pub mod output;
 mod path;
 pub mod phase;
 mod render;
+#[cfg(test)]
+mod same_light;
 mod sampler;
 mod sensor;
 mod shadow;

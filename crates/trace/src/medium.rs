@@ -19,6 +19,18 @@ pub(crate) struct Medium {
     pub(crate) walled: bool,
 }
 
+/// What is known of a path that crosses the surface of a solid in the other direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WayBack {
+    /// It was inside of the same media on all segments so far.
+    SameMedia,
+    /// The path leaves a solid that it never entered: it began inside.
+    Unknown,
+    /// It was inside of other media: the solid overlaps another, of which the last to be entered
+    /// counts, or has another color here than where it was entered.
+    OtherMedia,
+}
+
 /// The stack of solids around a path, innermost last.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Media {
@@ -41,6 +53,11 @@ impl Medium {
     /// Returns true if light passes without loss.
     pub(crate) fn is_clear(&self) -> bool {
         self.extinction == Vec3::ZERO
+    }
+
+    /// Returns true if both have the same effect on light.
+    fn is_like(&self, other: &Self) -> bool {
+        self == other || (self.is_clear() && other.is_clear())
     }
 
     /// Returns true if light is scattered inside.
@@ -112,21 +129,28 @@ impl Media {
         }
     }
 
-    /// Does as [`Self::cross`] does, or returns `None` if the path leaves a solid that it never
-    /// entered.
+    /// Does as [`Self::cross`] does, and returns what is known of the way back.
     pub(crate) fn cross_known(
         &mut self,
         hit: &SceneHit,
         direction: Vec3,
         medium: Medium,
-    ) -> Option<()> {
+    ) -> WayBack {
         let inside = &self.solids[..self.depth];
         let leaves = hit.normal.dot(direction) >= 0.0;
-        if leaves && !inside.iter().any(|&(solid, _)| solid == hit.instance) {
-            return None;
-        }
+        let entered = inside.iter().rposition(|&(solid, _)| solid == hit.instance);
+        let way_back = match entered {
+            _ if !leaves => WayBack::SameMedia,
+            None => WayBack::Unknown,
+            // A path that comes back enters this solid here, and after those that this one entered
+            // later and is still inside of.
+            Some(place) if inside[place..].iter().all(|(_, other)| other.is_like(&medium)) => {
+                WayBack::SameMedia
+            }
+            Some(_) => WayBack::OtherMedia,
+        };
         self.cross(hit, direction, medium);
-        Some(())
+        way_back
     }
 
     /// Returns true if the path is inside of no solid.
@@ -134,9 +158,9 @@ impl Media {
         self.depth == 0
     }
 
-    /// Returns true if light passes all solids around the path without loss.
+    /// Returns true if light passes all solids around the path without loss, as far as known.
     pub(crate) fn is_clear(&self) -> bool {
-        self.solids[..self.depth].iter().all(|(_, medium)| medium.is_clear())
+        self.depth < DEPTH && self.solids[..self.depth].iter().all(|(_, medium)| medium.is_clear())
     }
 
     /// Returns the medium around the path, unless it is empty.
@@ -154,6 +178,7 @@ impl Media {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2;
 
     #[test]
     fn the_innermost_solid_absorbs() {
@@ -171,6 +196,46 @@ mod tests {
         media.leave(7);
         media.leave(8);
         assert_eq!(media.transmittance(5.0), Vec3::ONE);
+    }
+
+    /// Crosses the walls of solids, each with its extinction, and returns the last way back.
+    fn walk(walls: &[(char, f32)]) -> WayBack {
+        let (mut media, mut last) = (Media::default(), WayBack::SameMedia);
+        for &(wall, extinction) in walls {
+            let hit = SceneHit {
+                instance: u32::from(wall.to_ascii_lowercase()),
+                element: 0,
+                uv: Vec2::ZERO,
+                t: 1.0,
+                position: Vec3::ZERO,
+                normal: if wall.is_uppercase() { Vec3::NEG_Z } else { Vec3::Z },
+                error: 0.0,
+            };
+            let extinction = Vec3::splat(extinction);
+            last = media.cross_known(&hit, Vec3::Z, Medium { extinction, ..Medium::default() });
+        }
+        last
+    }
+
+    /// Capital letters are walls that a path enters by, small ones those that it leaves by.
+    #[test]
+    fn the_way_back_is_known_of_solids_that_are_nested_or_alike() {
+        for (walls, expected) in [
+            (&[('A', 1.0), ('a', 1.0)][..], WayBack::SameMedia),
+            (&[('A', 1.0), ('B', 2.0), ('b', 2.0), ('a', 1.0)], WayBack::SameMedia),
+            // B begins inside of A and ends outside: which one counts where they overlap depends on
+            // the direction.
+            (&[('A', 1.0), ('B', 2.0), ('a', 1.0)], WayBack::OtherMedia),
+            (&[('A', 1.0), ('B', 1.0), ('a', 1.0)], WayBack::SameMedia),
+            (&[('A', 0.0), ('B', 0.0), ('a', 0.0)], WayBack::SameMedia),
+            (&[('A', 0.0), ('B', 1.0), ('a', 0.0)], WayBack::OtherMedia),
+            // A texture gives the wall another color where the path leaves.
+            (&[('A', 1.0), ('a', 2.0)], WayBack::OtherMedia),
+            (&[('A', 1.0), ('A', 1.0), ('a', 1.0), ('a', 1.0)], WayBack::SameMedia),
+            (&[('A', 1.0), ('b', 0.0)], WayBack::Unknown),
+        ] {
+            assert_eq!(walk(walls), expected, "{walls:?}");
+        }
     }
 
     #[test]

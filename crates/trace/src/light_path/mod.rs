@@ -21,16 +21,16 @@ mod tests;
 use crate::context::Context;
 use crate::film::Splat;
 use crate::light::LightSource;
-use crate::medium::{Media, Medium};
+use crate::medium::{Media, Medium, WayBack};
 use crate::mis::weight_of_light_path;
 use crate::opacity::{SHEET_SETS, SHEETS};
 use crate::sensor::Sensor;
 use crate::shadow::{Departure, Target, Visible};
 use crate::vertex::Vertex;
-use crate::{BsdfValue, Options, Receiver, Sampler, warp};
+use crate::{BsdfValue, Options, Receiver, Sampler, View, warp};
 use glam::{Vec2, Vec3};
 use rotund_geometry::{Ray, leave_surface};
-use rotund_scene::{MaterialKind, SceneHit};
+use rotund_scene::{Camera, MaterialKind, SceneHit};
 
 /// Number of samples for each light path. A light path takes as long as a path from the camera and
 /// serves all pixels, so a few of them are enough: more of them add more time to a picture than
@@ -79,6 +79,18 @@ enum Start {
 }
 
 impl Context<'_> {
+    /// Returns the context with paths from the lights to a camera, if they find anything.
+    pub(crate) fn with_light_paths(self, camera: &Camera, options: &Options) -> Self {
+        let finds =
+            options.view == View::Path && options.bounces > 2 && !self.lights.casters().is_empty();
+        if !finds {
+            return self;
+        }
+        let bounds = self.scene.bounds();
+        let reach = 1.01 * (bounds.max - bounds.min).length();
+        Self { sensor: Some(Sensor::new(camera)), reach, rate: RATE, ..self }
+    }
+
     /// Traces the light path of a sample, if it has one; returns the number of rays traced.
     ///
     /// Light paths are numbered over all pixels, and those of consecutive numbers are stratified
@@ -271,8 +283,10 @@ impl<'a> LightPath<'a> {
         if vertex.material.kind == MaterialKind::Refractive
             && hit.normal.dot(to_light) * hit.normal.dot(direction) < 0.0
         {
-            // A path that leaves a solid which it never entered began inside of it.
-            self.media.cross_known(hit, direction, Medium::new(vertex.material))?;
+            let medium = Medium::new(vertex.material);
+            if self.media.cross_known(hit, direction, medium) != WayBack::SameMedia {
+                return None;
+            }
         }
         self.throughput *= factor;
         self.factor *= factor;
@@ -315,7 +329,7 @@ impl<'a> LightPath<'a> {
             return;
         }
         let [shown, lit] = [seen.direction, to_light].map(|d| vertex.slant(d));
-        let ratio = RATE * self.ratio * lit / (seen.density * shown * pdf);
+        let ratio = self.context.rate * self.ratio * lit / (seen.density * shown * pdf);
         let weight = weight_of_light_path(ratio, self.sampled);
         let radiance = self.throughput * value * (weight * shown * seen.density / lit);
         // A radiance that is NaN goes on, so that the film counts it.
@@ -345,7 +359,8 @@ impl<'a> LightPath<'a> {
                 if hit.normal.dot(self.ray.direction) * hit.normal.dot(direction) > 0.0 =>
             {
                 let mut media = self.media;
-                media.cross_known(hit, direction, medium).is_some() && media.is_clear()
+                let way_back = media.cross_known(hit, direction, medium);
+                way_back == WayBack::SameMedia && media.is_clear()
             }
             _ => self.media.is_clear(),
         }

@@ -1,8 +1,7 @@
 //! The density of light paths that would find a path from the camera.
 
 use super::Path;
-use crate::light_path::RATE;
-use crate::medium::{Media, Medium};
+use crate::medium::{Media, Medium, WayBack};
 use crate::vertex::Vertex;
 use crate::{LightSample, Lights};
 use glam::Vec3;
@@ -15,6 +14,22 @@ pub(super) struct Reverse {
     ratio: f32,
     /// The last vertex, if it is on a caster.
     caster: Option<SceneHit>,
+}
+
+/// Crosses the surface of a solid, and returns whether light paths that cross it in the other
+/// direction are inside of the same media.
+pub(super) fn crosses_both_ways(
+    media: &mut Media,
+    hit: &SceneHit,
+    direction: Vec3,
+    medium: Medium,
+) -> bool {
+    match media.cross_known(hit, direction, medium) {
+        WayBack::SameMedia => true,
+        // They enter the solid here, and are inside of it up to the camera.
+        WayBack::Unknown => medium.is_clear() && media.is_clear(),
+        WayBack::OtherMedia => false,
+    }
 }
 
 impl Path<'_> {
@@ -34,7 +49,7 @@ impl Path<'_> {
             }
             let density = sensor.density(self.lens, vertex.hit.position);
             let [shown, lit] = [to_camera, to_light].map(|d| vertex.slant(d));
-            let ratio = RATE * lit / (density * shown * pdf?);
+            let ratio = self.context.rate * lit / (density * shown * pdf?);
             return ratio.is_finite().then_some(Reverse { ratio, caster: None });
         }
         let Reverse { ratio, .. } = self.reverse?;
@@ -74,8 +89,7 @@ impl Path<'_> {
         let crosses = vertex.hit.normal.dot(self.ray.direction) * vertex.hit.normal.dot(incoming);
         if vertex.material.kind == MaterialKind::Refractive && crosses > 0.0 {
             let medium = Medium::new(vertex.material);
-            let known = media.cross_known(vertex.hit, incoming, medium);
-            if known.is_none() && !medium.is_clear() {
+            if !crosses_both_ways(&mut media, vertex.hit, incoming, medium) {
                 return Some(0.0);
             }
         }

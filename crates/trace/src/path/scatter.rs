@@ -1,5 +1,6 @@
 //! Scattering at a vertex of a path: direct illumination, and the direction that goes on.
 
+use super::reverse::crosses_both_ways;
 use super::{BRANCHES, END_BELOW, MATTE_BELOW, Next, Origin, Path};
 use crate::context::{Arrived, Context};
 use crate::light::Aim;
@@ -190,9 +191,7 @@ impl Path<'_> {
                 return Next::End;
             }
             if hit.normal.dot(outgoing) * hit.normal.dot(incoming) < 0.0 {
-                let known = self.media.cross_known(hit, incoming, medium);
-                if known.is_none() && !medium.is_clear() {
-                    // A path in the other direction would enter the solid here, and find it dense.
+                if !crosses_both_ways(&mut self.media, hit, incoming, medium) {
                     self.reverse = None;
                 }
                 let inside = self.media.innermost();

@@ -1,51 +1,15 @@
 //! Scenes that combine what paths treat in different ways: solids that absorb and scatter, clouds,
 //! surfaces that are there by chance, round and flat lamps, skies, textures, and bodies that
-//! overlap. Lamps are large, so that plain paths find them.
+//! overlap.
 
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use super::random_shape::{Random, rectangle, round_to_decimals, shape};
+use glam::{Affine3A, Quat, Vec3};
 use rotund_scene::{
-    Camera, Elements, Environment, Material, MaterialKind, Method, Overlap, Pixels, Scene, Shape,
-    Texture,
+    Camera, Environment, Material, MaterialKind, Method, Pixels, Scene, Shape, Texture,
 };
 
-/// A generator of random numbers.
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    /// In `0.0..1.0`.
-    pub(super) fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        let bits = (self.0 ^ self.0 >> 33).wrapping_mul(0xff51_afd7_ed55_8ccd);
-        (bits >> 40) as f32 / (1 << 24) as f32
-    }
-
-    pub(super) fn pair(&mut self) -> Vec2 {
-        Vec2::new(self.unit(), self.unit())
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + self.unit() * (high - low)
-    }
-
-    fn chance(&mut self, share: f32) -> bool {
-        self.unit() < share
-    }
-
-    fn index(&mut self, count: usize) -> usize {
-        ((self.unit() * count as f32) as usize).min(count - 1)
-    }
-
-    fn vector(&mut self, low: f32, high: f32) -> Vec3 {
-        Vec3::new(self.between(low, high), self.between(low, high), self.between(low, high))
-    }
-
-    fn place(&mut self) -> Vec3 {
-        self.vector(-1.0, 1.0).with_y(self.between(0.1, 1.4))
-    }
-}
-
 /// A matte floor before a camera that looks down on it from `eye`.
-pub(super) fn floor(eye: Vec3) -> Scene {
+pub(crate) fn floor(eye: Vec3) -> Scene {
     let camera = Camera { lens: 0.036, ..Camera::look_at(eye, 0.4 * Vec3::Y, Vec3::Y) };
     let mut scene = Scene { cameras: vec![camera], ..Scene::default() };
     let corners = [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]];
@@ -54,8 +18,18 @@ pub(super) fn floor(eye: Vec3) -> Scene {
     scene
 }
 
+/// A texture of noise, parts of which are half there.
+fn add_texture(scene: &mut Scene, random: &mut Random) {
+    let mut texel = |_| {
+        let mut byte = |low: usize| (low + random.index(256 - low)) as u8;
+        [byte(90), byte(90), byte(150), if byte(0) < 128 { 120 } else { 255 }]
+    };
+    let pixels = Pixels::Bytes((0..16).map(&mut texel).collect());
+    scene.textures.push(Texture { name: String::new(), width: 4, height: 4, pixels });
+}
+
 /// A sky, with a broad sun or of one radiance.
-pub(super) fn add_sky(scene: &mut Scene, sunny: bool, turn: f32) {
+pub(crate) fn add_sky(scene: &mut Scene, sunny: bool, turn: f32) {
     let texel = |i: usize| {
         if (36..40).contains(&i) { [12.0, 11.0, 9.0, 1.0] } else { [0.3, 0.4, 0.5, 1.0] }
     };
@@ -70,61 +44,6 @@ pub(super) fn add_sky(scene: &mut Scene, sunny: bool, turn: f32) {
         emission_tex,
         ..Environment::default()
     });
-}
-
-/// A box whose faces point outwards.
-pub(super) fn solid_box(center: Vec3, half: Vec3) -> Shape {
-    let corner = |i: u32| {
-        let side = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        center + half * Vec3::new(side(0), side(1), side(2))
-    };
-    let faces =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    Shape::quads((0..8).map(corner).collect::<Vec<_>>(), faces)
-}
-
-fn shape(random: &mut Random) -> Shape {
-    let (center, size) = (random.place(), random.between(0.15, 0.6));
-    let mut shape = match random.index(5) {
-        0 => Shape::points([center], size),
-        1 => {
-            let other = center + size * random.vector(-1.0, 1.0);
-            Shape::points([center, other], vec![size, random.between(0.1, 0.5)])
-        }
-        2 => {
-            let ends = [random.place(), center, random.place()];
-            let radii: Vec<f32> = (0..3).map(|_| random.between(0.05, 0.3)).collect();
-            Shape::lines(ends, radii, [[0, 1], [1, 2]])
-        }
-        3 => solid_box(center, random.vector(0.1, 0.5)),
-        _ => {
-            let [a, b] = [0, 1].map(|_| size * random.vector(-1.0, 1.0));
-            let opposite = center + a + b + 0.2 * random.vector(-1.0, 1.0);
-            Shape::quads([center, center + a, opposite, center + b], [[0, 1, 2, 3]])
-        }
-    };
-    let count = shape.positions.len();
-    if random.chance(0.3) {
-        shape.overlap = Overlap::Separate;
-    }
-    if let (Elements::Quads(quads), true) = (&shape.elements, random.chance(0.3)) {
-        shape.texcoords = (0..count).map(|_| 2.0 * random.pair()).collect();
-        if count == 8 && random.chance(0.5) {
-            shape.normals = shape.positions.iter().map(|&p| p - center).collect();
-        }
-        if random.chance(0.5) {
-            let halves = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-            shape.elements = Elements::Triangles(halves.collect());
-        }
-    }
-    if random.chance(0.15) {
-        let mut color = |_| {
-            let opacity = if random.chance(0.5) { 1.0 } else { 0.6 };
-            random.vector(0.3, 1.0).extend(opacity)
-        };
-        shape.colors = (0..count).map(&mut color).collect();
-    }
-    shape
 }
 
 /// The texture is the first of the scene.
@@ -146,6 +65,9 @@ fn material(random: &mut Random) -> Material {
     }
     if [MaterialKind::Refractive, MaterialKind::Volumetric].contains(&kind) {
         material.trdepth = random.between(0.1, 1.0);
+        if random.chance(0.3) {
+            material.ior = random.between(1.2, 1.8);
+        }
         if random.chance(0.5) {
             material.albedo = random.vector(0.3, 1.0);
             material.anisotropy = random.between(-0.5, 0.7);
@@ -171,8 +93,82 @@ fn material(random: &mut Random) -> Material {
     material
 }
 
-/// Returns a scene that depends on a number.
-pub(super) fn scene(number: u64) -> Scene {
+/// Turns about the vertical through the origin, and scales or mirrors.
+fn frame(random: &mut Random) -> Affine3A {
+    let scale = match random.index(4) {
+        0 => Vec3::ONE,
+        1 => Vec3::splat(random.between(0.6, 1.2)),
+        2 => random.vector(0.6, 1.2),
+        _ => Vec3::new(1.0, 1.0, -1.0),
+    };
+    let turn = Quat::from_rotation_y(random.between(0.0, 6.0));
+    Affine3A::from_scale_rotation_translation(scale, turn, Vec3::ZERO)
+}
+
+/// Glass or metal before the floor, so near that little else is seen.
+///
+/// Lamps are small and skies dim, so that most of the light on and behind the bodies comes through
+/// or off others.
+pub(crate) fn scene_of_casters(number: u64) -> Scene {
+    let random = &mut Random(number.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(7));
+    let eye = Vec3::new(random.between(-1.0, 1.0), random.between(0.3, 1.6), 2.4);
+    let mut scene = floor(eye);
+    scene.cameras[0].lens = random.between(0.04, 0.07);
+    add_texture(&mut scene, random);
+    if random.chance(0.2) {
+        scene.cameras[0].aperture = 0.1;
+    }
+    let floors = [MaterialKind::Matte, MaterialKind::Matte, MaterialKind::Reflective];
+    let ground = &mut scene.materials[0];
+    (ground.kind, ground.roughness) =
+        (floors[random.index(floors.len())], random.between(0.2, 0.6));
+    for _ in 0..1 + random.index(3) {
+        let (mut shape, mut caster) = (shape(random), material(random));
+        caster.kind = match random.index(4) {
+            0 => MaterialKind::Reflective,
+            1 => MaterialKind::Transparent,
+            _ => MaterialKind::Refractive,
+        };
+        caster.emission = Vec3::ZERO;
+        if caster.kind == MaterialKind::Refractive && random.chance(0.7) {
+            caster.trdepth = random.between(0.1, 0.5);
+        }
+        let center = Vec3::new(random.between(-0.4, 0.4), 0.4, random.between(-0.4, 0.4));
+        let middle = shape.positions.iter().sum::<Vec3>() / shape.positions.len() as f32;
+        shape.positions.iter_mut().for_each(|position| *position += center - middle);
+        scene.add(shape, caster);
+    }
+    for _ in 0..1 + random.index(2) {
+        let center = Vec3::new(
+            random.between(-1.0, 1.0),
+            random.between(1.0, 1.4),
+            random.between(-0.8, 1.0),
+        );
+        let size = random.between(0.1, 0.3);
+        let mut shape = match random.index(3) {
+            0 => Shape::points([center], size),
+            1 => {
+                let end = center + 2.0 * size * random.vector(-1.0, 1.0);
+                Shape::lines([center, end], vec![0.5 * size, 0.7 * size], [[0, 1]])
+            }
+            _ => rectangle(random, center, 1.5 * size),
+        };
+        if random.chance(0.7) {
+            round_to_decimals(&mut shape.positions);
+        }
+        let emission = random.vector(0.5, 1.0) / (size * size);
+        scene.add(shape, Material { emission, ..Material::default() });
+    }
+    let (sunny, turn) = (random.chance(0.3), random.between(0.0, 6.0));
+    add_sky(&mut scene, sunny, turn);
+    if !sunny {
+        scene.environments[0].emission = Vec3::splat(0.02);
+    }
+    scene
+}
+
+/// Returns a scene that depends on a number. Its lamps are large, so that plain paths find them.
+pub(crate) fn scene(number: u64) -> Scene {
     let random = &mut Random(number.wrapping_mul(0x2545_f491_4f6c_dd1d).wrapping_add(99));
     let mut scene = floor(Vec3::new(random.between(-1.0, 1.0), random.between(1.2, 2.5), 2.8));
     if random.chance(0.2) {
@@ -181,18 +177,18 @@ pub(super) fn scene(number: u64) -> Scene {
     if random.chance(0.15) {
         scene.cameras[0] = scene.cameras[0].clone().orthographic(3.0);
     }
-    let mut texel = |_| {
-        let mut byte = |low: usize| (low + random.index(256 - low)) as u8;
-        [byte(90), byte(90), byte(150), if byte(0) < 128 { 120 } else { 255 }]
-    };
-    let pixels = Pixels::Bytes((0..16).map(&mut texel).collect());
-    scene.textures.push(Texture { name: String::new(), width: 4, height: 4, pixels });
+    add_texture(&mut scene, random);
     match random.index(4) {
         0 => scene.materials[0].kind = MaterialKind::Glossy,
         1 => scene.materials[0].kind = MaterialKind::Reflective,
         _ => {}
     }
     scene.materials[0].roughness = 0.5;
+    if random.chance(0.25) {
+        let corners = [[-2.0, 0.0, -1.5], [2.0, 0.0, -1.5], [2.0, 2.0, -1.5], [-2.0, 2.0, -1.5]];
+        let wall = Shape::quads(corners.map(Vec3::from_array), [[0, 1, 2, 3]]);
+        scene.add(wall, Material { color: random.vector(0.2, 0.9), ..Material::default() });
+    }
     for _ in 0..1 + random.index(5) {
         let (mut shape, material) = (shape(random), material(random));
         let whole = material.opacity >= 1.0
@@ -205,12 +201,7 @@ pub(super) fn scene(number: u64) -> Scene {
         }
         scene.add(shape, material);
         if random.chance(0.3) {
-            let even = random.chance(0.5);
-            let scale =
-                if even { Vec3::splat(random.between(0.6, 1.2)) } else { random.vector(0.6, 1.2) };
-            let turn = Quat::from_rotation_y(random.between(0.0, 6.0));
-            let frame = Affine3A::from_scale_rotation_translation(scale, turn, Vec3::ZERO);
-            scene.instances.last_mut().expect("it was added").world_from_object = frame;
+            scene.instances.last_mut().expect("it was added").world_from_object = frame(random);
         }
     }
     if random.chance(0.1) {
