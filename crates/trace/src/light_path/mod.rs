@@ -8,6 +8,9 @@
 //! three techniques. So a path has a light path as its twin if, seen from the camera, its first
 //! vertex is rough and all others, of which there must be one, are on casters.
 //!
+//! A light path also ends where the path from the camera is inside of other media: where solids of
+//! different glass overlap, and in glass whose colour varies over its surface ([`WayBack`]).
+//!
 //! The contribution of a vertex is that of the path from the camera, whose BSDF it evaluates, since
 //! shading normals make scattering differ in both directions.
 //!

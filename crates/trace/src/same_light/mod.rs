@@ -168,6 +168,7 @@ pub(crate) fn scene_numbers(usual: Range<u64>) -> Range<u64> {
     let Ok(named) = std::env::var("ROTUND_SCENES") else { return usual };
     let range = named
         .split_once("..")
-        .and_then(|(first, end)| Some(first.parse().ok()?..end.parse().ok()?));
+        .and_then(|(first, end)| Some(first.parse().ok()?..end.parse().ok()?))
+        .filter(|range| !range.is_empty());
     range.unwrap_or_else(|| panic!("ROTUND_SCENES is {named:?}, expected a range as 100..300"))
 }
