@@ -7,7 +7,7 @@ use super::{Lights, Receiver};
 use crate::distribution::Table;
 use crate::warp;
 use glam::{Vec2, Vec3};
-use rotund_scene::{ElementKind, Material, MaterialKind, Scene, SceneHit};
+use rotund_scene::{ElementKind, Material, MaterialKind, Method, Scene, SceneHit};
 use std::f32::consts::{PI, TAU};
 
 /// The surfaces of a scene that pass light on.
@@ -32,7 +32,8 @@ struct Caster {
 #[derive(Clone, Copy, Debug)]
 enum Group {
     None,
-    /// One for each of `count` elements, from `first` on.
+    /// One for each of `count` elements, from `first` on. Those of vanilla points and lines are
+    /// never chosen.
     Elements {
         first: u32,
         count: u32,
@@ -77,7 +78,11 @@ impl Casters {
             let shape = &scene.shapes[instance.shape as usize];
             let (first, count) = (casters.len() as u32, shape.elements.count());
             let round = [ElementKind::Points, ElementKind::Lines].contains(&shape.elements.kind());
-            if count <= if round { ROUND } else { FACES } {
+            // Balls and cones that a frame deforms cannot be sampled as such.
+            let deformed = round
+                && shape.method == Method::Enhanced
+                && emitter::scale(&instance.world_from_object).is_none();
+            if !deformed && count <= if round { ROUND } else { FACES } {
                 casters.extend((0..count as u32).map(|element| {
                     let emitter = emitter::of_caster(scene, index as u32, element);
                     Caster { ball: emitter.ball(), element: Some(emitter) }
@@ -167,9 +172,13 @@ impl Casters {
     /// point of a caster: per solid angle and area across the direction.
     pub(crate) fn density_of_sky(&self, lights: &Lights, sky: Vec3, hit: &SceneHit) -> f32 {
         let Some(index) = self.caster(hit) else { return 0.0 };
+        let chance = self.choice.chance(index as usize);
+        // The ball around what is never chosen may have no size, or no place.
+        if chance <= 0.0 {
+            return 0.0;
+        }
         let Ball { center, radius } = self.casters[index as usize].ball;
         let receiver = Receiver { position: center, normal: None };
-        let chance = self.choice.chance(index as usize);
         chance * lights.environment_pdf(&receiver, sky) / (PI * radius * radius)
     }
 }

@@ -172,7 +172,7 @@ fn unowned_surface(
 }
 
 /// Returns the scale of a frame, if it is a similarity.
-fn scale(frame: &Affine3A) -> Option<f32> {
+pub(super) fn scale(frame: &Affine3A) -> Option<f32> {
     let axes = frame.matrix3;
     let lengths2 = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.length_squared());
     let mean = (lengths2.iter().sum::<f32>() / 3.0).sqrt();

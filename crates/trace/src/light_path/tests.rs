@@ -200,6 +200,19 @@ fn cases() -> Vec<Case> {
             }),
         ),
         (
+            "a ball and a tube of glass that frames flatten, below a sun",
+            with(&|scene| {
+                scene.add(ball([-0.5, 0.8, 0.0], 0.4), material(glass, [1.0; 3], 0.0));
+                let ends = [Vec3::new(0.1, 0.7, 0.3), Vec3::new(0.8, 0.5, -0.3)];
+                let tube = Shape::lines(ends, vec![0.2, 0.3], [[0, 1]]);
+                scene.add(tube, material(glass, [0.9; 3], 0.3));
+                let flat = Affine3A::from_scale(Vec3::new(1.0, 0.6, 0.9));
+                scene.instances[1..].iter_mut().for_each(|i| i.world_from_object = flat);
+                sun(scene);
+                lamp(scene, 0.3, 20.0);
+            }),
+        ),
+        (
             "balls of dark glass, the walls of which are half there",
             with(&|scene| {
                 let dark = Material { trdepth: 0.1, opacity: 0.5, ..tinted(0.0) };

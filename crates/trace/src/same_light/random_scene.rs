@@ -164,7 +164,46 @@ pub(crate) fn scene_of_casters(number: u64) -> Scene {
     if !sunny {
         scene.environments[0].emission = Vec3::splat(0.02);
     }
+    add_rarities(&mut scene, random);
     scene
+}
+
+/// Changes a scene, whose first instance is the floor and whose last one is a lamp, by what few
+/// scenes have.
+fn add_rarities(scene: &mut Scene, random: &mut Random) {
+    let lamp = scene.instances.len() - 1;
+    for instance in &mut scene.instances[1..lamp] {
+        if random.chance(0.1) {
+            instance.world_from_object = frame(random);
+        }
+    }
+    if random.chance(0.1) {
+        scene.cameras[0] = scene.cameras[0].clone().orthographic(2.0);
+    }
+    let lamp = scene.materials.last_mut().expect("it is that of the lamp");
+    if random.chance(0.1) {
+        lamp.opacity = 0.5;
+    }
+    lamp.emission_tex = random.chance(0.1).then_some(0);
+    let kind = MaterialKind::Refractive;
+    let glass = Material { kind, color: random.vector(0.3, 1.0), ..Material::default() };
+    if random.chance(0.1) {
+        let eye = scene.cameras[0].world_from_camera.translation.into();
+        let color = if random.chance(0.5) { Vec3::ONE } else { glass.color };
+        let around = Material { color, trdepth: 1.0, ..glass.clone() };
+        scene.add(Shape::points([eye], 0.4), around);
+    }
+    if random.chance(0.1) {
+        let positions = &scene.shapes.last().expect("it is that of the lamp").positions;
+        let around = Shape::points([positions[0]], 0.5);
+        scene.add(around, Material { trdepth: 0.5, ..glass.clone() });
+    }
+    if random.chance(0.1) {
+        let kind = MaterialKind::Volumetric;
+        let albedo = random.vector(0.2, 0.9);
+        let cloud = Material { kind, trdepth: 0.5, albedo, ..glass };
+        scene.add(Shape::points([random.place()], 0.5), cloud);
+    }
 }
 
 /// Returns a scene that depends on a number. Its lamps are large, so that plain paths find them.
