@@ -42,7 +42,7 @@ const OPTIONS: Options = Options {
 const RUNS: [u64; 2] = [8, 48];
 /// Difference in standard errors from which a value seems to differ, and from which it does.
 const LIMITS: [f64; 2] = [4.0, 5.0];
-/// Relative difference that is not looked at.
+/// Relative difference that counts as none: nobody sees it in a picture.
 const TOLERANCE: f64 = 0.001;
 
 /// Means of the channels of each block.

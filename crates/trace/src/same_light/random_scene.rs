@@ -172,6 +172,7 @@ pub(crate) fn scene_of_casters(number: u64) -> Scene {
 /// scenes have.
 fn add_rarities(scene: &mut Scene, random: &mut Random) {
     let lamp = scene.instances.len() - 1;
+    let in_lamp = scene.shapes[scene.instances[lamp].shape as usize].positions[0];
     for instance in &mut scene.instances[1..lamp] {
         if random.chance(0.1) {
             instance.world_from_object = frame(random);
@@ -194,9 +195,7 @@ fn add_rarities(scene: &mut Scene, random: &mut Random) {
         scene.add(Shape::points([eye], 0.4), around);
     }
     if random.chance(0.1) {
-        let positions = &scene.shapes.last().expect("it is that of the lamp").positions;
-        let around = Shape::points([positions[0]], 0.5);
-        scene.add(around, Material { trdepth: 0.5, ..glass.clone() });
+        scene.add(Shape::points([in_lamp], 0.5), Material { trdepth: 0.5, ..glass.clone() });
     }
     if random.chance(0.1) {
         let kind = MaterialKind::Volumetric;

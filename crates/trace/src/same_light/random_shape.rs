@@ -94,7 +94,7 @@ fn globe(center: Vec3, radii: Vec3) -> Shape {
     Shape::quads(positions, (0..PARTS[0] * PARTS[1]).map(face).collect::<Vec<_>>())
 }
 
-/// Rounds to the six decimals that many files have.
+/// Rounds to six significant digits, as many files do.
 pub(super) fn round_to_decimals(positions: &mut [Vec3]) {
     let round = |x: f32| format!("{x:.5e}").parse::<f32>().expect("it was a number");
     for position in positions {
@@ -102,6 +102,7 @@ pub(super) fn round_to_decimals(positions: &mut [Vec3]) {
     }
 }
 
+/// Returns a ball, balls, tubes, a mesh or a face, some with texture coordinates or colors.
 pub(super) fn shape(random: &mut Random) -> Shape {
     let (center, size) = (random.place(), random.between(0.15, 0.6));
     let mut shape = match random.index(8) {
